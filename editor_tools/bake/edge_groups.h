@@ -1,0 +1,21 @@
+// Edge groups: k-means on the skinning weights (section 5.2), then spokes-and-rims edge weights.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "geometry/solve_mesh.h"
+
+namespace limber::bake {
+
+// Group of each vertex, in [0, *num_groups); seeded deterministically (farthest points in weight
+// space, then Lloyd). Empty groups are removed, so *num_groups may come back smaller than wanted.
+std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups);
+
+// Spokes and rims: each triangle gives its three edges, half-cotangent weighted, in equal thirds to
+// the groups of its corners; bridges go in halves to the groups of their ends. Entries of one
+// (group, edge) are summed, and sums are clamped to a small positive weight. Sorted by group, i, j.
+std::vector<geometry::GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
+                                                 const std::vector<int>& vertex_group);
+
+}  // namespace limber::bake

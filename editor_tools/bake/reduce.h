@@ -1,0 +1,26 @@
+// The reduction: from weights, edge groups and example shapes to the factored tensors of
+// RigTables (derivation in REDUCTION.md beside this file; eq. 12 to 19 of Wampler 2016).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "bake/bake.h"
+#include "geometry/solve_mesh.h"
+#include "rig/rig_tables.h"
+
+namespace limber::bake {
+
+struct ReduceInput {
+  const geometry::SolveMesh* mesh = nullptr;
+  const Eigen::MatrixXd* weights = nullptr;                    // V x H
+  const std::vector<geometry::GroupEdge>* edges = nullptr;
+  int num_groups = 0;
+  std::vector<int> handle_vertices;
+};
+
+// Fills the counts, the space and all float tables of *tables; handles and shape_names must be
+// filled before. tables->dimension and space are taken as given (see FitRigSpace).
+Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables);
+
+}  // namespace limber::bake

@@ -1,0 +1,21 @@
+// A wish for a handle, from a glTF node, a handle file or the automatic choice; the bake snaps it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/vec3.h"
+
+namespace limber::bake {
+
+struct HandleSpec {
+  std::string name;
+  bool pinned = true;
+  // Exactly one of the two: a vertex in the source's order, or a position in mesh space that is
+  // snapped to the nearest vertex of the first example shape.
+  std::optional<uint32_t> source_vertex;
+  std::optional<Vec3> position;
+  int node = -1;  // the glTF node that it came from, -1 for none
+};
+
+}  // namespace limber::bake

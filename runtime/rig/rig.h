@@ -1,0 +1,49 @@
+// The immutable Rig: everything about a baked character that its instances share. Made once by
+// the loader or straight from the bake, then read by any number of threads without a lock.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/status.h"
+#include "rig/rig_tables.h"
+#include "rig/skin_mesh.h"
+
+namespace limber {
+
+class Rig {
+ public:
+  // Checks every size, index and number of both parts against each other and freezes them.
+  // Errors: kMalformed, kNoHandles (none pinned), kLimitExceeded; the message names the table and
+  // the element, expected and found. `name` is for messages and logs.
+  static Result<std::shared_ptr<const Rig>> Create(std::string name, RigTables tables,
+                                                   SkinMesh mesh);
+
+  const std::string& name() const { return name_; }
+  const RigTables& tables() const { return tables_; }
+  const SkinMesh& mesh() const { return mesh_; }
+
+  int dimension() const { return tables_.dimension; }
+  int num_handles() const { return tables_.num_handles(); }
+  int num_shapes() const { return tables_.num_shapes(); }
+  int num_groups() const { return tables_.num_groups; }
+  // Diagonal of the first example shape's bounding box, in mesh units: the size that tolerances
+  // are relative to.
+  float diagonal() const { return diagonal_; }
+  // The handle of that name, -1 if there is none.
+  int FindHandle(const std::string& handle_name) const;
+
+  // Rig space to mesh space and back.
+  Vec3 ToMesh(Vec3 x_rig) const;
+  Vec3 ToRig(Vec3 x_mesh) const;
+
+ private:
+  Rig() = default;
+
+  std::string name_;
+  RigTables tables_;
+  SkinMesh mesh_;
+  float diagonal_ = 0;
+};
+
+}  // namespace limber

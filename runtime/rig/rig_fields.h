@@ -1,0 +1,37 @@
+// The one table of names and shapes that the reader and the writer of LIMBER_mesh_ik share.
+// To add a table to the format: add it to RigTables, add a line here, raise kRigFormatVersion.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rig/rig_tables.h"
+
+namespace limber {
+
+inline constexpr char kRigExtensionName[] = "LIMBER_mesh_ik";
+inline constexpr int kRigFormatVersion = 1;
+// Per-vertex data travels as vertex attributes, so that tools that re-index a mesh carry it along.
+inline constexpr char kWeightsAttributePrefix[] = "_LIMBER_WEIGHTS_";  // + 0, 1, ...: VEC4 floats
+inline constexpr char kWeldAttribute[] = "_LIMBER_WELD";      // SCALAR float: the solve vertex
+inline constexpr char kSourceAttribute[] = "_LIMBER_SOURCE";  // SCALAR float: written by `pack`
+
+// Calls visit(name, table, shape) for each float table; shape is the declared dimensions, whose
+// product is the element count. `Tables` is RigTables or const RigTables.
+template <class Tables, class Visitor>
+void VisitRigTables(Tables& t, Visitor&& visit) {
+  using Shape = std::vector<int64_t>;
+  const int64_t k = t.dimension, h = t.num_handles(), s = t.num_shapes(), g = t.num_groups;
+  const int64_t n = t.num_transform_rows(), r = t.num_modes, r1 = t.num_single_modes;
+  const int64_t m = r1 + k;
+  visit("modeTransforms", t.mode_transforms, Shape{n, 1 + r});
+  visit("handleModes", t.handle_modes, Shape{h, 1 + r});
+  visit("modeEdges", t.mode_edges, Shape{g, s, k, r});
+  visit("residualFactor", t.residual_factor,
+        t.has_rotations ? Shape{t.residual_rank, g * s * k} : Shape{t.residual_rank, g * s});
+  visit("singleHandleModes", t.single_handle_modes, Shape{s, h, 1 + r1});
+  visit("singleEdges", t.single_edges, Shape{s, g, k, r1});
+  visit("singleGroupFactors", t.single_group_factors, Shape{s, g, m * (m + 1) / 2});
+}
+
+}  // namespace limber
