@@ -1,0 +1,44 @@
+// Outputs that appear whole or not at all: written beside their place, then renamed.
+#pragma once
+
+#include "core/status.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace limber::cli {
+
+// Errors name the path and the system's reason (kIoError).
+Status WriteFileWhole(const std::filesystem::path& path, std::string_view content);
+
+// A folder that a command fills. Files are made in a staging folder inside it and moved to their
+// places by Publish, all at once; until then, and when Publish is never called, the folder is as it
+// was (and absent if it was absent).
+class OutputFolder {
+ public:
+  static Result<OutputFolder> Create(const std::filesystem::path& folder);
+  OutputFolder(OutputFolder&& other) noexcept;
+  OutputFolder& operator=(OutputFolder&&) = delete;
+  ~OutputFolder();
+
+  // Where to write the file that will be folder/name.
+  std::filesystem::path Stage(const std::string& name);
+  Status Write(const std::string& name, std::string_view content);
+  // Moves every staged file to its place, over an older file of that name.
+  Status Publish();
+
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  OutputFolder() = default;
+  void Abandon();
+
+  std::filesystem::path folder_, staging_;
+  std::filesystem::path topmost_created_;  // removed again when nothing is published
+  std::vector<std::string> names_;
+  bool owns_staging_ = false;
+};
+
+}  // namespace limber::cli
