@@ -75,6 +75,16 @@ TEST_F(HandlePick, HiddenOneNearer_TheVisibleOneIsPicked) {
   EXPECT_EQ(Pick(handles, {.radius = 0.1f, .occlusion = false})->handle, 0);
 }
 
+TEST_F(HandlePick, Orthographic_LooksAlongTheRayNotFromItsOrigin) {
+  // Beside the tube and below its middle: in plain sight along the ray's direction, but from the
+  // ray's origin the tube is in between.
+  ray_.origin = {1, 0, 1};
+  const std::vector<Vec3> handles = {{1.5f, 0, -0.3f}};
+  EXPECT_TRUE(Pick(handles, {.radius = 0.6f}));
+  EXPECT_FALSE(Pick(handles, {.cone_tangent = 0.6f}));
+  EXPECT_TRUE(Pick(handles, {.cone_tangent = 0.6f, .occlusion = false}));
+}
+
 TEST_F(HandlePick, EveryVertexOfTheSurface_IsVisibleFromAlongItsNormal) {
   // Handles are vertices: the surface next to them must not hide them.
   for (size_t v = 0; v < scene_.rest.size(); ++v) {

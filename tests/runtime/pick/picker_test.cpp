@@ -341,6 +341,7 @@ TEST(Picker, FloatingPointControlWord_Kept) {
   ExpectControlWordKept(kAllMasked);
   ExpectControlWordKept(kAllMasked | kFlushToZero | kDenormalsAreZero);
   ExpectControlWordKept(kAllMasked | _MM_ROUND_UP);
+  ExpectControlWordKept(kAllMasked & ~static_cast<unsigned int>(_MM_MASK_DIV_ZERO));
 }
 #endif
 
