@@ -1,11 +1,11 @@
 // Welding: draw vertices that coincide in every example shape become one solve vertex.
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "core/status.h"
 #include "geometry/solve_mesh.h"
+
+#include <cstdint>
+#include <span>
 
 namespace limber::geometry {
 

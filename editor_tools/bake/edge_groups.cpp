@@ -1,0 +1,145 @@
+#include "bake/edge_groups.h"
+
+#include "geometry/cotangent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace limber::bake {
+namespace {
+
+using geometry::GroupEdge;
+
+constexpr int kMaxLloydIterations = 100;
+
+// Farthest points in weight space; the first is the row farthest from the mean, and a tie goes to
+// the first of the rows. Stops early when every row coincides with a centre.
+Eigen::MatrixXd SeedCentres(const Eigen::MatrixXd& rows, int wanted) {
+  Eigen::MatrixXd centres(wanted, rows.cols());
+  Eigen::VectorXd spacing = (rows.rowwise() - rows.colwise().mean()).rowwise().squaredNorm();
+  int count = 0;
+  for (; count < wanted; ++count) {
+    Eigen::Index farthest = 0;
+    if (!(spacing.maxCoeff(&farthest) > 0) && count > 0) break;
+    centres.row(count) = rows.row(farthest);
+    const Eigen::VectorXd distance = (rows.rowwise() - centres.row(count)).rowwise().squaredNorm();
+    spacing = count == 0 ? distance : Eigen::VectorXd(spacing.cwiseMin(distance));
+  }
+  return centres.topRows(count);
+}
+
+// Nearest centre of each row, the first of equals. Returns whether any row changed its group.
+bool Assign(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& centres, std::vector<int>* group) {
+  bool changed = false;
+  Eigen::VectorXd best =
+      Eigen::VectorXd::Constant(rows.rows(), std::numeric_limits<double>::infinity());
+  std::vector<int> nearest(group->size(), 0);
+  for (int c = 0; c < centres.rows(); ++c) {
+    const Eigen::VectorXd distance = (rows.rowwise() - centres.row(c)).rowwise().squaredNorm();
+    for (Eigen::Index v = 0; v < rows.rows(); ++v) {
+      if (distance(v) < best(v)) {
+        best(v) = distance(v);
+        nearest[v] = c;
+      }
+    }
+  }
+  changed = nearest != *group;
+  *group = std::move(nearest);
+  return changed;
+}
+
+// Means of the groups; groups without a row keep their centre.
+void MoveCentres(const Eigen::MatrixXd& rows, const std::vector<int>& group,
+                 Eigen::MatrixXd* centres) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(centres->rows(), centres->cols());
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(centres->rows());
+  for (Eigen::Index v = 0; v < rows.rows(); ++v) {
+    sums.row(group[v]) += rows.row(v);
+    counts(group[v]) += 1;
+  }
+  for (Eigen::Index c = 0; c < centres->rows(); ++c) {
+    if (counts(c) > 0) centres->row(c) = sums.row(c) / counts(c);
+  }
+}
+
+// Renumbers the groups that are in use in the order of their first vertex; returns how many.
+int CompactGroups(std::vector<int>* group, int num_groups) {
+  std::vector<int> number(static_cast<size_t>(num_groups), -1);
+  int used = 0;
+  for (int& g : *group) {
+    if (number[g] < 0) number[g] = used++;
+    g = number[g];
+  }
+  return used;
+}
+
+bool Before(const GroupEdge& a, const GroupEdge& b) {
+  return std::tie(a.group, a.i, a.j) < std::tie(b.group, b.i, b.j);
+}
+
+// Sums entries of one (group, edge) and clamps the sums to a small positive weight.
+void MergeAndClamp(std::vector<GroupEdge>* edges) {
+  std::stable_sort(edges->begin(), edges->end(), Before);
+  size_t count = 0;
+  double sum = 0;
+  for (const GroupEdge& edge : *edges) {
+    sum += std::abs(edge.weight);
+    if (count > 0 && !Before((*edges)[count - 1], edge)) {
+      (*edges)[count - 1].weight += edge.weight;
+    } else {
+      (*edges)[count++] = edge;
+    }
+  }
+  edges->resize(count);
+  const double mean = count > 0 && sum > 0 ? sum / static_cast<double>(count) : 1;
+  const double smallest = geometry::kSmallestEdgeWeight * mean;
+  for (GroupEdge& edge : *edges)
+    edge.weight = std::max(edge.weight, smallest);
+}
+
+}  // namespace
+
+std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups) {
+  std::vector<int> group(static_cast<size_t>(weights.rows()), 0);
+  *num_groups = weights.rows() > 0 ? 1 : 0;
+  if (weights.rows() == 0 || wanted <= 1) return group;
+  wanted = static_cast<int>(std::min<Eigen::Index>(wanted, weights.rows()));
+  Eigen::MatrixXd centres = SeedCentres(weights, wanted);
+  for (int iteration = 0; iteration < kMaxLloydIterations; ++iteration) {
+    const bool changed = Assign(weights, centres, &group);
+    if (!changed && iteration > 0) break;
+    MoveCentres(weights, group, &centres);
+  }
+  *num_groups = CompactGroups(&group, static_cast<int>(centres.rows()));
+  return group;
+}
+
+std::vector<GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
+                                       const std::vector<int>& vertex_group) {
+  const auto cotangents = geometry::CornerCotangents(mesh);
+  std::vector<GroupEdge> edges;
+  edges.reserve(9 * mesh.triangles.size() + 2 * mesh.bridges.size());
+  const auto add = [&edges](int group, int a, int b, double weight) {
+    edges.push_back({group, std::min(a, b), std::max(a, b), weight});
+  };
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::array<int, 3>& triangle = mesh.triangles[t];
+    for (int corner = 0; corner < 3; ++corner) {
+      const double third = 0.5 * cotangents[t][corner] / 3;
+      for (const int v : triangle) {
+        add(vertex_group[v], triangle[(corner + 1) % 3], triangle[(corner + 2) % 3], third);
+      }
+    }
+  }
+  for (const geometry::Bridge& bridge : mesh.bridges) {
+    add(vertex_group[bridge.a], bridge.a, bridge.b, 0.5 * bridge.weight);
+    add(vertex_group[bridge.b], bridge.a, bridge.b, 0.5 * bridge.weight);
+  }
+  MergeAndClamp(&edges);
+  return edges;
+}
+
+}  // namespace limber::bake

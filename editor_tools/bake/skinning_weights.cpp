@@ -1,0 +1,296 @@
+#include "bake/skinning_weights.h"
+
+#include "bake/bounded_quadratic.h"
+#include "geometry/cotangent.h"
+#include "geometry/union_find.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace limber::bake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::SparseMatrix;
+using Eigen::VectorXd;
+
+constexpr double kNegligibleWeight = 1e-7;  // becomes zero before rows are normalised
+constexpr double kStationarityTolerance = 1e-8;
+constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
+
+// The problem of all handles, split into free vertices and handle vertices.
+struct Split {
+  std::vector<int> free_vertices;
+  SparseMatrix<double> Q;  // free x free
+  MatrixXd c;              // free x H: the pull of each handle's one
+};
+
+SparseMatrix<double> BiharmonicForm(const geometry::SolveMesh& mesh) {
+  const SparseMatrix<double> laplacian = geometry::CotangentLaplacian(mesh);
+  const VectorXd areas = geometry::VertexAreas(mesh);
+  // Areas relative to their mean: the form, and so the weights, know no unit of length.
+  const VectorXd inverse = (areas / areas.mean()).cwiseInverse();
+  const SparseMatrix<double> scaled = inverse.asDiagonal() * laplacian;
+  SparseMatrix<double> Q = laplacian * scaled;
+  const SparseMatrix<double> transposed = Q.transpose();
+  return 0.5 * (Q + transposed);
+}
+
+Split SplitProblem(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices) {
+  const SparseMatrix<double> Q = BiharmonicForm(mesh);
+  const auto num_handles = static_cast<Eigen::Index>(handle_vertices.size());
+  std::vector<int> handle_of(static_cast<size_t>(mesh.num_vertices()), -1);
+  for (size_t h = 0; h < handle_vertices.size(); ++h) {
+    handle_of[handle_vertices[h]] = static_cast<int>(h);
+  }
+  Split split;
+  std::vector<int> row_of(handle_of.size(), -1);
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    if (handle_of[v] >= 0) continue;
+    row_of[v] = static_cast<int>(split.free_vertices.size());
+    split.free_vertices.push_back(v);
+  }
+  const auto num_free = static_cast<Eigen::Index>(split.free_vertices.size());
+  split.Q.resize(num_free, num_free);
+  split.c = MatrixXd::Zero(num_free, num_handles);
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<size_t>(Q.nonZeros()));
+  for (int column = 0; column < Q.outerSize(); ++column) {
+    for (SparseMatrix<double>::InnerIterator it(Q, column); it; ++it) {
+      const int row = row_of[it.row()];
+      if (row < 0) continue;
+      if (row_of[column] >= 0) {
+        entries.emplace_back(row, row_of[column], it.value());
+      } else {
+        split.c(row, handle_of[column]) = it.value();
+      }
+    }
+  }
+  split.Q.setFromTriplets(entries.begin(), entries.end());
+  return split;
+}
+
+Status CheckInput(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices) {
+  if (handle_vertices.empty()) {
+    return Error(StatusCode::kNoHandles, "skinning weights: there is no handle; add one");
+  }
+  std::vector<bool> taken(static_cast<size_t>(mesh.num_vertices()), false);
+  for (size_t h = 0; h < handle_vertices.size(); ++h) {
+    const int v = handle_vertices[h];
+    if (v < 0 || v >= mesh.num_vertices() || taken[v]) {
+      return Error(StatusCode::kInvalidArgument,
+                   "skinning weights: handle %zu: vertex %d is taken or does not exist; handles "
+                   "need distinct vertices below %d",
+                   h, v, mesh.num_vertices());
+    }
+    taken[v] = true;
+  }
+  if (!mesh.shapes[0].allFinite()) {
+    return Error(StatusCode::kDegenerate,
+                 "skinning weights: the first shape has a position that is not finite; repair it");
+  }
+  geometry::UnionFind sets(mesh.num_vertices());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sets.Unite(a, b);
+    sets.Unite(a, c);
+  }
+  for (const geometry::Bridge& bridge : mesh.bridges)
+    sets.Unite(bridge.a, bridge.b);
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    if (sets.Find(v) != 0) {
+      return Error(StatusCode::kDegenerate,
+                   "skinning weights: vertex %d is not connected to vertex 0; tie loose parts "
+                   "with bridges first",
+                   v);
+    }
+  }
+  return {};
+}
+
+// Solves the handles' problems on worker threads. The caller's thread only waits and tells of the
+// progress, so that the callback never runs anywhere else.
+class HandleSolver {
+ public:
+  HandleSolver(const BoundedQuadratic& problem, const MatrixXd& c)
+      : problem_(problem),
+        c_(c),
+        solutions_(MatrixXd::Zero(c.rows(), c.cols())),
+        reports_(static_cast<size_t>(c.cols())),
+        iterations_(static_cast<size_t>(c.cols())) {}
+
+  Status Run(int num_threads, const ProgressCallback& progress) {
+    const int num_workers = std::min(num_threads, static_cast<int>(c_.cols()));
+    active_ = num_workers;
+    std::vector<std::thread> workers;
+    for (int i = 0; i < num_workers; ++i)
+      workers.emplace_back([this] { Work(); });
+    Wait(progress);
+    for (std::thread& worker : workers)
+      worker.join();
+    if (cancelled_) return Error(StatusCode::kInvalidArgument, "cancelled");
+    if (!failure_.empty()) {
+      return Error(StatusCode::kInternal, "skinning weights: %s", failure_.c_str());
+    }
+    for (size_t h = 0; h < reports_.size(); ++h) {
+      const BoundedQuadraticReport& report = reports_[h];
+      if (report.converged && report.stationarity <= kStationarityTolerance) continue;
+      return Error(StatusCode::kDegenerate,
+                   "skinning weights: handle %zu: no optimum within %d iterations (residual %.3g, "
+                   "gap %.3g); check the mesh around it for degenerate triangles",
+                   h, report.iterations, report.stationarity, report.gap);
+    }
+    return {};
+  }
+
+  const MatrixXd& solutions() const { return solutions_; }
+
+  const std::vector<BoundedQuadraticReport>& reports() const { return reports_; }
+
+ private:
+  void Work() {
+    try {
+      for (int h = next_++; h < c_.cols() && !cancelled_; h = next_++)
+        SolveHandle(h);
+    } catch (const std::exception& exception) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      failure_ = exception.what();
+      cancelled_ = false;
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    --active_;
+    changed_.notify_all();
+  }
+
+  void SolveHandle(int h) {
+    VectorXd x;
+    problem_.Solve(
+        c_.col(h),
+        [&] {
+          ++iterations_[h];
+          changed_.notify_all();
+          return !cancelled_;
+        },
+        &x, &reports_[h]);
+    solutions_.col(h) = x;
+    iterations_[h] = kExpectedIterations;
+  }
+
+  double Fraction() const {
+    double sum = 0;
+    for (const std::atomic<int>& count : iterations_) {
+      sum += std::min(count.load(), kExpectedIterations);
+    }
+    return sum / (kExpectedIterations * static_cast<double>(iterations_.size()));
+  }
+
+  void Wait(const ProgressCallback& progress) {
+    double told = 0;
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (active_ > 0) {
+      changed_.wait_for(lock, std::chrono::milliseconds(100));
+      const double fraction = Fraction();
+      if (!progress || fraction <= told || cancelled_) continue;
+      told = fraction;
+      lock.unlock();
+      if (!progress("weights", fraction)) cancelled_ = true;
+      lock.lock();
+    }
+  }
+
+  const BoundedQuadratic& problem_;
+  const MatrixXd& c_;
+  MatrixXd solutions_;
+  std::vector<BoundedQuadraticReport> reports_;
+  std::vector<std::atomic<int>> iterations_;
+  std::atomic<int> next_ = 0;
+  std::atomic<bool> cancelled_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int active_ = 0;
+  std::string failure_;
+};
+
+// Rows that every handle's problem left at zero take the mean of their neighbours, ring by ring
+// from the rows that have weights. (Bounded weights need not sum to one by themselves; so far from
+// all handles nothing else says whom a vertex follows.)
+void FillEmptyRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
+  std::vector<bool> filled(static_cast<size_t>(weights->rows()));
+  for (Eigen::Index v = 0; v < weights->rows(); ++v)
+    filled[v] = weights->row(v).sum() > 0;
+  while (std::find(filled.begin(), filled.end(), false) != filled.end()) {
+    MatrixXd sums = MatrixXd::Zero(weights->rows(), weights->cols());
+    std::vector<bool> reached = filled;
+    const auto spread = [&](int from, int to) {
+      if (!filled[from] || filled[to]) return;
+      sums.row(to) += weights->row(from) / weights->row(from).sum();
+      reached[to] = true;
+    };
+    const auto spread_both = [&](int a, int b) {
+      spread(a, b);
+      spread(b, a);
+    };
+    for (const auto& [a, b, c] : mesh.triangles) {
+      spread_both(a, b);
+      spread_both(b, c);
+      spread_both(c, a);
+    }
+    for (const geometry::Bridge& bridge : mesh.bridges)
+      spread_both(bridge.a, bridge.b);
+    for (size_t v = 0; v < filled.size(); ++v) {
+      if (reached[v] && !filled[v]) weights->row(static_cast<Eigen::Index>(v)) = sums.row(v);
+    }
+    filled = reached;
+  }
+}
+
+void NormaliseRows(const geometry::SolveMesh& mesh, WeightsReport* report, MatrixXd* weights) {
+  for (double& weight : weights->reshaped()) {
+    report->bound_violation = std::max({report->bound_violation, -weight, weight - 1});
+    weight = weight < kNegligibleWeight ? 0 : std::min(weight, 1.0);
+  }
+  report->sum_error = (weights->rowwise().sum().array() - 1).abs().maxCoeff();
+  FillEmptyRows(mesh, weights);
+  for (Eigen::Index v = 0; v < weights->rows(); ++v)
+    weights->row(v) /= weights->row(v).sum();
+}
+
+}  // namespace
+
+Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
+                                          std::span<const int> handle_vertices, int num_threads,
+                                          const ProgressCallback& progress, WeightsReport* report) {
+  *report = {};
+  LIMBER_RETURN_IF_ERROR(CheckInput(mesh, handle_vertices));
+  const auto num_handles = static_cast<Eigen::Index>(handle_vertices.size());
+  if (num_handles == 1) return MatrixXd(MatrixXd::Ones(mesh.num_vertices(), 1));
+  if (num_threads <= 0) {
+    num_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  }
+  Split split = SplitProblem(mesh, handle_vertices);
+  if (progress && !progress("weights", 0)) return Error(StatusCode::kInvalidArgument, "cancelled");
+  const BoundedQuadratic problem(std::move(split.Q));
+  HandleSolver solver(problem, split.c);
+  LIMBER_RETURN_IF_ERROR(solver.Run(num_threads, progress));
+
+  MatrixXd weights = MatrixXd::Zero(mesh.num_vertices(), num_handles);
+  for (size_t i = 0; i < split.free_vertices.size(); ++i) {
+    weights.row(split.free_vertices[i]) = solver.solutions().row(static_cast<Eigen::Index>(i));
+  }
+  for (Eigen::Index h = 0; h < num_handles; ++h)
+    weights(handle_vertices[h], h) = 1;
+  for (const BoundedQuadraticReport& solved : solver.reports()) {
+    report->stationarity = std::max(report->stationarity, solved.stationarity);
+  }
+  NormaliseRows(mesh, report, &weights);
+  return weights;
+}
+
+}  // namespace limber::bake

@@ -1,0 +1,135 @@
+#include "geometry/extremities.h"
+
+#include "geometry/geodesic.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace limber::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A handle on every tooth is of no use: parts of a smaller share of all vertices are left out.
+constexpr double kSmallestPart = 0.02;
+constexpr int kNumLandmarks = 32;
+// A tip is the most remote vertex within this fraction of the surface's largest distance: a hand
+// has one tip, not five.
+constexpr double kTipRadius = 0.1;
+constexpr size_t kMaxTipCandidates = 96;
+// Tips come before ordinary vertices that are up to this factor farther from what is chosen.
+constexpr double kTipPreference = 2.5;
+
+int Farthest(const std::vector<int>& candidates, const Eigen::VectorXd& distance) {
+  return *std::max_element(candidates.begin(), candidates.end(),
+                           [&](int a, int b) { return distance(a) < distance(b); });
+}
+
+std::vector<int> EligibleVertices(const SolveMesh& mesh) {
+  std::vector<int> eligible;
+  const bool has_components = !mesh.component.empty();
+  std::vector<int> part_size(static_cast<size_t>(std::max(mesh.num_components, 1)), 0);
+  const auto part = [&](int v) { return has_components ? mesh.component[v] : 0; };
+  for (int v = 0; v < mesh.num_vertices(); ++v)
+    ++part_size[part(v)];
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    if (part(v) == 0 || part_size[part(v)] >= kSmallestPart * mesh.num_vertices()) {
+      eligible.push_back(v);
+    }
+  }
+  return eligible;
+}
+
+struct Remoteness {
+  Eigen::VectorXd mean_distance;  // [V] to the eligible vertices
+  double size = 0;                // the largest distance met
+};
+
+// Landmarks spread over the surface stand each for the vertices nearest to them.
+Remoteness MeasureRemoteness(const EdgeGraph& graph, const std::vector<int>& eligible) {
+  Eigen::VectorXd spacing = Eigen::VectorXd::Constant(graph.num_vertices(), kInfinity);
+  std::vector<size_t> nearest(static_cast<size_t>(graph.num_vertices()), 0);
+  std::vector<Eigen::VectorXd> distances;
+  int landmark = eligible[0];
+  while (distances.size() < kNumLandmarks) {
+    distances.push_back(graph.Distances(std::array{landmark}));
+    for (const int v : eligible) {
+      if (distances.back()(v) < spacing(v)) nearest[v] = distances.size() - 1;
+    }
+    spacing = spacing.cwiseMin(distances.back());
+    landmark = Farthest(eligible, spacing);
+    if (!(spacing(landmark) > 0)) break;
+  }
+  Eigen::VectorXd share = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(distances.size()));
+  for (const int v : eligible)
+    share(static_cast<Eigen::Index>(nearest[v])) += 1;
+  Remoteness result{Eigen::VectorXd::Zero(graph.num_vertices()), 0};
+  for (size_t i = 0; i < distances.size(); ++i) {
+    result.mean_distance += share(static_cast<Eigen::Index>(i)) * distances[i];
+    for (const int v : eligible) {
+      if (std::isfinite(distances[i](v))) result.size = std::max(result.size, distances[i](v));
+    }
+  }
+  result.mean_distance /= static_cast<double>(eligible.size());
+  return result;
+}
+
+// Of equally remote vertices the first counts as the more remote one.
+bool MoreRemote(const Eigen::VectorXd& remoteness, int a, int b) {
+  return remoteness(a) != remoteness(b) ? remoteness(a) > remoteness(b) : a < b;
+}
+
+std::vector<int> FindTips(const EdgeGraph& graph, const std::vector<int>& eligible,
+                          const Remoteness& remoteness) {
+  const auto more_remote = [&](int a, int b) { return MoreRemote(remoteness.mean_distance, a, b); };
+  std::vector<int> peaks;
+  for (const int v : eligible) {
+    const auto neighbours = graph.Neighbours(v);
+    if (std::none_of(neighbours.begin(), neighbours.end(),
+                     [&](int other) { return more_remote(other, v); })) {
+      peaks.push_back(v);
+    }
+  }
+  std::sort(peaks.begin(), peaks.end(), more_remote);
+  if (peaks.size() > kMaxTipCandidates) peaks.resize(kMaxTipCandidates);
+  std::vector<int> tips;
+  for (const int peak : peaks) {
+    const Eigen::VectorXd distance = graph.Distances(std::array{peak});
+    if (std::none_of(eligible.begin(), eligible.end(), [&](int v) {
+          return distance(v) < kTipRadius * remoteness.size && more_remote(v, peak);
+        })) {
+      tips.push_back(peak);
+    }
+  }
+  return tips;
+}
+
+}  // namespace
+
+std::vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
+  std::vector<int> chosen;
+  if (mesh.num_vertices() == 0 || count < 1) return chosen;
+  const std::vector<int> eligible = EligibleVertices(mesh);
+  const EdgeGraph graph(mesh);
+  const Remoteness remoteness = MeasureRemoteness(graph, eligible);
+  const std::vector<int> tips = FindTips(graph, eligible, remoteness);
+
+  chosen.push_back(tips.empty() ? eligible[0] : tips[0]);
+  Eigen::VectorXd spacing = graph.Distances(chosen);
+  while (chosen.size() < static_cast<size_t>(count)) {
+    int next = Farthest(eligible, spacing);
+    if (!tips.empty()) {
+      const int tip = Farthest(tips, spacing);
+      if (kTipPreference * spacing(tip) >= spacing(next)) next = tip;
+    }
+    if (!(spacing(next) > 0)) break;
+    chosen.push_back(next);
+    spacing = spacing.cwiseMin(graph.Distances(std::array{next}));
+  }
+  return chosen;
+}
+
+}  // namespace limber::geometry

@@ -1,0 +1,36 @@
+// Disjoint sets of 0..n-1 with path halving; a set's root is always its smallest member, so that
+// results do not depend on the order of the unions.
+#pragma once
+
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace limber::geometry {
+
+class UnionFind {
+ public:
+  explicit UnionFind(int count) : parent_(static_cast<size_t>(count)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  int Find(int i) {
+    while (parent_[i] != i) {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+
+  void Unite(int a, int b) {
+    a = Find(a);
+    b = Find(b);
+    if (a > b) std::swap(a, b);
+    parent_[b] = a;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace limber::geometry
