@@ -1,0 +1,56 @@
+// CPU skinning of a whole character: what the GPU path does, for tests, picking, export and
+// machines without Vulkan.
+#pragma once
+
+#include "core/status.h"
+#include "rig/rig_tables.h"
+#include "rig/skin_mesh.h"
+#include "skin/skin_frames.h"
+#include "skin/skin_layout.h"
+#include "skin/skin_topology.h"
+#include "skin/skin_transforms.h"
+
+#include <span>
+#include <vector>
+
+namespace limber {
+
+// The deformed character: views into a CpuSkinner, valid until its next call. Mesh space.
+// Draw vertices that share a solve vertex have bitwise equal positions; those of one normal group
+// with equal rest normals have bitwise equal normals.
+struct DeformedMesh {
+  std::span<const Vec3> solve_positions;  // [V]
+  std::span<const Vec3> positions;        // [D] draw vertices
+  std::span<const Vec3> normals;          // [D] unit
+  std::span<const Tangent> tangents;      // [D], unit, orthogonal to the normal; where the mesh
+                                          // has no tangents an arbitrary one
+};
+
+// Owns what one character needs; one thread at a time.
+class CpuSkinner {
+ public:
+  // Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh).
+  static Result<CpuSkinner> Create(const SkinMesh& mesh, const RigSpace& space);
+
+  // Positions only. Allocates nothing. Errors: kInvalidArgument (wrong number of matrices).
+  Status SkinPositionsOnly(const SkinTransforms& transforms);
+  // Positions, normals and tangents. Allocates nothing. Errors as above.
+  Status Skin(const SkinTransforms& transforms);
+
+  // The result of the last call; normals and tangents that of the last Skin.
+  DeformedMesh result() const;
+
+  const SkinTopology& topology() const { return topology_; }
+
+ private:
+  CpuSkinner() = default;
+
+  SkinLayout layout_;
+  SkinTopology topology_;
+  std::vector<Vec3> relative_;  // [V] without the origin: edges keep their digits
+  std::vector<Vec3> solve_positions_, positions_, normals_;
+  std::vector<SurfaceFrame> frames_;  // [G]
+  std::vector<Tangent> tangents_;
+};
+
+}  // namespace limber

@@ -1,0 +1,77 @@
+#include "skin/skin_frames.h"
+
+#include "skin/vec3_math.h"
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+// Squared lengths below this are no direction (edges are about one unit at most).
+constexpr float kTiny = 1e-30f;
+
+bool IsDirection(Vec3 v) {
+  return Dot(v, v) > kTiny;
+}
+
+Vec3 Normalized(Vec3 v) {
+  return (1 / std::sqrt(Dot(v, v))) * v;
+}
+
+Vec3 AnyPerpendicular(Vec3 unit) {
+  const Vec3 axis = std::abs(unit.x) < 0.57f   ? Vec3{1, 0, 0}
+                    : std::abs(unit.y) < 0.57f ? Vec3{0, 1, 0}
+                                               : Vec3{0, 0, 1};
+  return Normalized(Cross(unit, axis));
+}
+
+// Of all frames with normal n, the one nearest to the pushed directions: the two-dimensional polar
+// decomposition, so that neither of the two arbitrary rest directions is preferred under shear.
+void FitFrame(Vec3 n, SurfaceFrame* frame) {
+  const Vec3 projected = frame->first - Dot(n, frame->first) * n;
+  const Vec3 t = IsDirection(projected) ? Normalized(projected) : AnyPerpendicular(n);
+  const Vec3 b = Cross(n, t);
+  float c = Dot(frame->first, t) + Dot(frame->second, b);
+  float s = Dot(frame->first, b) - Dot(frame->second, t);
+  const float length = std::sqrt(c * c + s * s);
+  c = length * length > kTiny ? c / length : 1;
+  s = length * length > kTiny ? s / length : 0;
+  frame->t = c * t + s * b;
+  frame->b = c * b - s * t;
+  frame->n = n;
+}
+
+}  // namespace
+
+SurfaceFrame ComputeSurfaceFrame(const SkinTopology& topology, uint32_t group,
+                                 std::span<const Vec3> positions) {
+  SurfaceFrame frame;
+  Vec3 n;
+  const Vec3 centre = positions[topology.group_solve_vertex[group]];
+  for (uint32_t c = topology.group_corners[group]; c < topology.group_corners[group + 1]; ++c) {
+    const SkinCorner& corner = topology.corners[c];
+    const Vec3 e1 = topology.inverse_scale * (positions[corner.a] - centre);
+    const Vec3 e2 = topology.inverse_scale * (positions[corner.b] - centre);
+    n = n + Cross(e1, e2);
+    frame.first = frame.first + corner.first[0] * e1 + corner.first[1] * e2;
+    frame.second = frame.second + corner.second[0] * e1 + corner.second[1] * e2;
+  }
+  frame.valid = IsDirection(n);
+  if (frame.valid) FitFrame(Normalized(n), &frame);
+  return frame;
+}
+
+void ApplyFrame(const SurfaceFrame& frame, const SkinDrawVertex& vertex, Vec3* normal,
+                Tangent* tangent) {
+  *normal = vertex.normal;
+  if (frame.valid) {
+    *normal = Normalized(vertex.normal.x * frame.t + vertex.normal.y * frame.b +
+                         vertex.normal.z * frame.n);
+  }
+  Vec3 t = vertex.tangent[0] * frame.first + vertex.tangent[1] * frame.second;
+  t = t - Dot(*normal, t) * *normal;
+  tangent->direction = IsDirection(t) ? Normalized(t) : AnyPerpendicular(*normal);
+  tangent->handedness = vertex.handedness;
+}
+
+}  // namespace limber
