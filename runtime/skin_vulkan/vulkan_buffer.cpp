@@ -1,0 +1,96 @@
+#include "skin_vulkan/vulkan_buffer.h"
+
+#include <utility>
+
+namespace limber {
+namespace {
+
+constexpr uint32_t kNoType = ~0u;
+
+uint32_t FindMemoryType(const VulkanApi& api, uint32_t allowed, VkMemoryPropertyFlags flags) {
+  for (uint32_t i = 0; i < api.memory.memoryTypeCount; ++i) {
+    if ((allowed >> i & 1) != 0 && (api.memory.memoryTypes[i].propertyFlags & flags) == flags) {
+      return i;
+    }
+  }
+  return kNoType;
+}
+
+}  // namespace
+
+BufferRange BufferPlan::Add(VkDeviceSize bytes) {
+  const VkDeviceSize offset = (end_ + alignment_ - 1) & ~(alignment_ - 1);
+  end_ = offset + bytes;
+  return {offset, bytes};
+}
+
+VulkanBuffer& VulkanBuffer::operator=(VulkanBuffer&& other) noexcept {
+  if (this == &other) return *this;
+  Destroy();
+  api_ = std::exchange(other.api_, nullptr);
+  buffer_ = std::exchange(other.buffer_, VK_NULL_HANDLE);
+  memory_ = std::exchange(other.memory_, VK_NULL_HANDLE);
+  size_ = std::exchange(other.size_, 0);
+  mapped_ = std::exchange(other.mapped_, nullptr);
+  coherent_ = other.coherent_;
+  return *this;
+}
+
+void VulkanBuffer::Destroy() {
+  if (api_ == nullptr) return;
+  api_->DestroyBuffer(api_->device, buffer_, api_->callbacks);
+  api_->FreeMemory(api_->device, memory_, api_->callbacks);  // unmaps
+  api_ = nullptr;
+}
+
+Result<VulkanBuffer> VulkanBuffer::Create(const VulkanApi& api, VkDeviceSize size,
+                                          VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
+                                          VkMemoryPropertyFlags preferred) {
+  VulkanBuffer buffer;
+  buffer.api_ = &api;
+  buffer.size_ = size;
+  auto info = VulkanInfo<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = size;
+  info.usage = usage;
+  info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  LIMBER_RETURN_IF_ERROR(VulkanStatus(
+      api.CreateBuffer(api.device, &info, api.callbacks, &buffer.buffer_), "vkCreateBuffer"));
+
+  VkMemoryRequirements needs;
+  api.GetBufferMemoryRequirements(api.device, buffer.buffer_, &needs);
+  uint32_t type = FindMemoryType(api, needs.memoryTypeBits, required | preferred);
+  if (type == kNoType) type = FindMemoryType(api, needs.memoryTypeBits, required);
+  if (type == kNoType) {
+    return Error(StatusCode::kDeviceError, "vulkan: no memory type has the properties 0x%x",
+                 required);
+  }
+  auto allocate = VulkanInfo<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocate.allocationSize = needs.size;
+  allocate.memoryTypeIndex = type;
+  LIMBER_RETURN_IF_ERROR(
+      VulkanStatus(api.AllocateMemory(api.device, &allocate, api.callbacks, &buffer.memory_),
+                   "vkAllocateMemory"));
+  LIMBER_RETURN_IF_ERROR(VulkanStatus(
+      api.BindBufferMemory(api.device, buffer.buffer_, buffer.memory_, 0), "vkBindBufferMemory"));
+
+  const VkMemoryPropertyFlags flags = api.memory.memoryTypes[type].propertyFlags;
+  buffer.coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
+  if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0) {
+    void* mapped = nullptr;
+    LIMBER_RETURN_IF_ERROR(VulkanStatus(
+        api.MapMemory(api.device, buffer.memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"));
+    buffer.mapped_ = static_cast<std::byte*>(mapped);
+  }
+  return buffer;
+}
+
+Status VulkanBuffer::Flush() const {
+  if (coherent_ || mapped_ == nullptr) return {};
+  auto range = VulkanInfo<VkMappedMemoryRange>(VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE);
+  range.memory = memory_;
+  range.size = VK_WHOLE_SIZE;
+  return VulkanStatus(api_->FlushMappedMemoryRanges(api_->device, 1, &range),
+                      "vkFlushMappedMemoryRanges");
+}
+
+}  // namespace limber
