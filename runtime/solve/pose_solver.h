@@ -3,8 +3,8 @@
 //
 // Three objects: the Rig (shared, immutable), a PoseModel (what follows from the rig and its pins;
 // shared, immutable) and a PoseState (one per character). Any number of states may be solved at
-// once on different threads; one state belongs to one thread at a time. Nothing allocates after
-// PoseState::Create.
+// once on different threads; one state belongs to one thread at a time. Nothing allocates, locks
+// or throws after PoseState::Create.
 #pragma once
 
 #include <memory>
@@ -17,53 +17,57 @@
 
 namespace limber {
 
+class PoseModel;  // pose_model.h
+
 struct PoseOptions {
-  int iterations = 1;         // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
-  float lambda = 0.5f;        // weight of nearness in eq. 10; 0: shape space only
-  bool rotations = true;      // false: all R = I, one convex solve, globally optimal
-  // Stop before `iterations` when no vertex-scale quantity changed by more than this fraction of
-  // the character's size in an alternation; 0: never.
-  float settle_tolerance = 0;
+  int iterations = 1;      // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
+  float lambda = 0.5f;     // weight of nearness in eq. 10; 0: shape space only
+  bool rotations = true;   // false: all R = I, one convex solve, globally optimal
+  // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
+  double settle_tolerance = 0;
 };
 
 struct PoseReport {
-  double energy = 0;          // eq. 10, in mesh units
-  int iterations = 0;         // alternations done
-  double change = 0;          // largest change of a mode in the last alternation, of the size
-  bool settled = false;       // change <= settle_tolerance
-  double optimality = 0;      // largest violation of the convex step's optimality, of its scale
+  double energy = 0;       // eq. 10, in mesh units (of the cotangent-weighted edges)
+  double elastic = 0;      // its first term alone, the square root of E_d (eq. 9)
+  int iterations = 0;      // alternations done
+  double change = 0;       // largest change of a blend weight or of an entry of a rotation in use
+  bool settled = false;    // change <= settle_tolerance
+  double optimality = 0;   // largest violated multiplier of the convex step, of its largest gradient
 };
-
-class PoseModel;   // see pose_model.h
-class PoseStateImpl;
 
 class PoseState {
  public:
   // The state at rest: targets at the handles' rest positions, settled on the first example shape.
-  // Errors: kNoHandles; kUnsupported where options ask for rotations of a rig baked without.
+  // The second form builds a PoseModel for itself; characters of one rig should share one.
+  static Result<PoseState> Create(std::shared_ptr<const PoseModel> model);
   static Result<PoseState> Create(std::shared_ptr<const Rig> rig);
   PoseState(PoseState&&) noexcept;
   PoseState& operator=(PoseState&&) noexcept;
   ~PoseState();
 
   const Rig& rig() const;
-  // Mesh space. Targets of free handles and non-finite positions are refused (kInvalidArgument) and
-  // leave the old target.
+  // Mesh space. Refused with kInvalidArgument, keeping the old target: an index out of range, a
+  // free handle (it has no target), a position that is not finite.
   Status SetTarget(int handle, Vec3 position_mesh);
+  // Of a free handle: its rest position.
   Vec3 target(int handle) const;
   void ResetToRest();
 
   // Moves towards the optimum from where the last call ended. Costs microseconds to milliseconds,
-  // independent of the vertex count.
+  // independent of the vertex count. report may be null. Errors, the state being unchanged:
+  // kInvalidArgument (options out of range), kUnsupported (rotations of a rig baked without).
   Status Solve(const PoseOptions& options, PoseReport* report);
 
-  // Results of the last Solve (or of the rest pose): owned by the state, valid until the next call.
+  // Results of the last Solve, or of the rest pose: owned by the state, valid until its next call.
   SkinTransforms transforms() const;
   std::span<const double> blend_weights() const;   // B, [G][S]
 
+  class Impl;
+
  private:
-  explicit PoseState(std::unique_ptr<PoseStateImpl> impl);
-  std::unique_ptr<PoseStateImpl> impl_;
+  explicit PoseState(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace limber

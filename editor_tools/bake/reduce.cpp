@@ -1,0 +1,125 @@
+#include "bake/reduce.h"
+
+#include "bake/group_tensors.h"
+#include "bake/mode_basis.h"
+#include "bake/pivoted_cholesky.h"
+#include "bake/single_shape_models.h"
+
+namespace limber::bake {
+namespace {
+
+// Energies below this fraction of the largest single one are rounding of the sums before them.
+constexpr double kResidualCut = 1e-13;
+
+std::vector<Eigen::MatrixXd> ToRigSpace(const geometry::SolveMesh& mesh, const RigTables& tables) {
+  const Eigen::Map<const Eigen::Matrix3f> basis(tables.space.basis.data());
+  const Eigen::Map<const Eigen::RowVector3f> origin(tables.space.origin.data());
+  std::vector<Eigen::MatrixXd> shapes;
+  for (const geometry::PointMatrix& shape : mesh.shapes) {
+    const Eigen::MatrixXd centred = shape.rowwise() - origin.cast<double>();
+    const Eigen::MatrixXd turned =
+        centred * basis.cast<double>() / static_cast<double>(tables.space.scale);
+    shapes.push_back(turned.leftCols(tables.dimension));
+  }
+  return shapes;
+}
+
+void StoreRows(const Eigen::MatrixXd& matrix, std::vector<float>* table) {
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      table->push_back(static_cast<float>(matrix(row, column)));
+    }
+  }
+}
+
+// K_z of all groups: G*S*k x r, rows (g, s, axis): the coordinates of every example's weighted
+// edges in the span of the modes' edges.
+Eigen::MatrixXd ModeEdges(const std::vector<GroupTensors>& groups, const ModeBasis& basis) {
+  const Eigen::Index rows = groups.front().edge_load.cols();
+  Eigen::MatrixXd edges(rows * static_cast<Eigen::Index>(groups.size()), basis.shapes.cols());
+  for (size_t g = 0; g < groups.size(); ++g) {
+    edges.middleRows(static_cast<Eigen::Index>(g) * rows, rows) =
+        groups[g].edge_load.transpose() * groups[g].Rows(basis.shapes);
+  }
+  return edges;
+}
+
+// Gram matrix of what the modes cannot reach: H - K_z K_z^T, positive semi-definite.
+Eigen::MatrixXd ResidualGram(const std::vector<GroupTensors>& groups,
+                             const Eigen::MatrixXd& mode_edges) {
+  Eigen::MatrixXd gram = -mode_edges * mode_edges.transpose();
+  Eigen::Index at = 0;
+  for (const GroupTensors& group : groups) {
+    const Eigen::Index size = group.shape_gram.rows();
+    gram.block(at, at, size, size) += group.shape_gram;
+    at += size;
+  }
+  return gram;
+}
+
+// Without rotations only whole shapes are mixed: the k axes of a block fold to their trace.
+Eigen::MatrixXd FoldAxes(const Eigen::MatrixXd& gram, Eigen::Index k) {
+  const Eigen::Index size = gram.rows() / k;
+  Eigen::MatrixXd folded(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index j = 0; j < size; ++j) folded(i, j) = gram.block(i * k, j * k, k, k).trace();
+  }
+  return folded;
+}
+
+void StoreModes(const ReduceInput& input, const ModeBasis& basis, RigTables* tables) {
+  const Eigen::Index n = basis.transforms.rows();
+  const Eigen::Index affine_rows = tables->dimension + 1;
+  tables->num_modes = static_cast<int32_t>(basis.transforms.cols());
+  // phi_0 moves everything by (1, ..., 1): equal translations in all the shapes of each handle.
+  Eigen::MatrixXd transforms = Eigen::MatrixXd::Zero(n, 1 + basis.transforms.cols());
+  for (Eigen::Index row = affine_rows - 1; row < n; row += affine_rows) {
+    transforms(row, 0) = 1.0 / static_cast<double>(input.mesh->shapes.size());
+  }
+  transforms.rightCols(basis.transforms.cols()) = basis.transforms;
+  tables->mode_transforms.clear();
+  StoreRows(transforms, &tables->mode_transforms);
+  tables->handle_modes.clear();
+  for (int vertex : input.handle_vertices) {
+    tables->handle_modes.push_back(1);
+    StoreRows(basis.shapes.row(vertex), &tables->handle_modes);
+  }
+}
+
+}  // namespace
+
+Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables) {
+  const auto cancelled = [&progress](const char* stage, double fraction) {
+    return progress && !progress(stage, fraction);
+  };
+  const Status stop(StatusCode::kInvalidArgument, "cancelled");
+  if (cancelled("tensors", 0)) return stop;
+  const std::vector<Eigen::MatrixXd> shapes = ToRigSpace(*input.mesh, *tables);
+  const std::vector<GroupTensors> groups = BuildGroupTensors(shapes, *input.edges, input.num_groups);
+  const Eigen::SparseMatrix<double> laplacian =
+      SumLaplacian(*input.edges, input.mesh->num_vertices());
+  tables->num_groups = input.num_groups;
+
+  Result<ModeBasis> basis = ComputeModeBasis(
+      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian);
+  if (!basis.ok()) return basis.status();
+  StoreModes(input, *basis, tables);
+  if (cancelled("tensors", 0.5)) return stop;
+
+  const Eigen::MatrixXd mode_edges = ModeEdges(groups, *basis);
+  tables->mode_edges.clear();
+  StoreRows(mode_edges, &tables->mode_edges);
+  Eigen::MatrixXd gram = ResidualGram(groups, mode_edges);
+  if (!tables->has_rotations) gram = FoldAxes(gram, tables->dimension);
+  const Eigen::MatrixXd factor = PivotedCholesky(std::move(gram), kResidualCut);
+  tables->residual_rank = static_cast<int32_t>(factor.rows());
+  tables->residual_factor.clear();
+  StoreRows(factor, &tables->residual_factor);
+  if (cancelled("tensors", 0.75)) return stop;
+
+  const SingleShapeInput single{&shapes, input.weights, &groups, &laplacian,
+                                &input.handle_vertices};
+  return BuildSingleShapeModels(single, tables);
+}
+
+}  // namespace limber::bake

@@ -1,0 +1,78 @@
+#include "bake/single_shape_models.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include "bake/mode_basis.h"
+
+namespace limber::bake {
+namespace {
+
+// Upper triangular U with U^T U = gram (positive semi-definite, m x m). By way of eigenvalues, so
+// that a rank deficient group (one straight row of edges, say) is as good as any other.
+Eigen::MatrixXd UpperFactor(const Eigen::MatrixXd& gram) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const Eigen::MatrixXd root = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+                               eigen.eigenvectors().transpose();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root);
+  return qr.matrixQR().triangularView<Eigen::Upper>();
+}
+
+void AppendPacked(const Eigen::MatrixXd& upper, std::vector<float>* packed) {
+  for (Eigen::Index row = 0; row < upper.rows(); ++row) {
+    for (Eigen::Index column = row; column < upper.cols(); ++column) {
+      packed->push_back(static_cast<float>(upper(row, column)));
+    }
+  }
+}
+
+// Appends what group g contributes to the model of shape s with the mode fields `modes` (V x r1).
+void AppendGroup(const GroupTensors& group, const Eigen::MatrixXd& modes, Eigen::Index s,
+                 Eigen::Index k, RigTables* tables) {
+  const Eigen::MatrixXd local = group.Rows(modes);
+  const Eigen::Index r1 = modes.cols();
+  const Eigen::MatrixXd edges = group.edge_load.middleCols(s * k, k).transpose() * local;  // k x r1
+  Eigen::MatrixXd gram(r1 + k, r1 + k);
+  gram.topLeftCorner(r1, r1) = local.transpose() * (group.laplacian * local);
+  gram.bottomLeftCorner(k, r1) = edges;
+  gram.topRightCorner(r1, k) = edges.transpose();
+  gram.bottomRightCorner(k, k) = group.shape_gram.block(s * k, s * k, k, k);
+  for (Eigen::Index axis = 0; axis < k; ++axis) {
+    for (Eigen::Index mode = 0; mode < r1; ++mode) {
+      tables->single_edges.push_back(static_cast<float>(edges(axis, mode)));
+    }
+  }
+  AppendPacked(UpperFactor(gram), &tables->single_group_factors);
+}
+
+}  // namespace
+
+Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) {
+  const Eigen::Index k = input.shapes->front().cols();
+  // All shapes get the same count, the largest that one could need; a flat shape's modes are fewer
+  // and the rest stay zero, which adds nothing to any sum.
+  const Eigen::Index r1 = input.weights->cols() * (k + 1) - 1;
+  tables->num_single_modes = static_cast<int32_t>(r1);
+  tables->single_handle_modes.clear();
+  tables->single_edges.clear();
+  tables->single_group_factors.clear();
+  for (size_t s = 0; s < input.shapes->size(); ++s) {
+    Result<ModeBasis> basis = ComputeModeBasis(
+        SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian);
+    if (!basis.ok()) return basis.status();
+    Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
+    modes.leftCols(basis->shapes.cols()) = basis->shapes;
+    for (int vertex : *input.handle_vertices) {
+      tables->single_handle_modes.push_back(1);
+      for (Eigen::Index mode = 0; mode < r1; ++mode) {
+        tables->single_handle_modes.push_back(static_cast<float>(modes(vertex, mode)));
+      }
+    }
+    for (const GroupTensors& group : *input.groups) {
+      AppendGroup(group, modes, static_cast<Eigen::Index>(s), k, tables);
+    }
+  }
+  return {};
+}
+
+}  // namespace limber::bake

@@ -1,0 +1,223 @@
+#include "solve/pose_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+#include <vector>
+
+#include "solve/alternation.h"
+#include "solve/pose_model.h"
+
+namespace limber {
+namespace {
+
+// Alternations that bring the other shapes' rotations to rest at creation; the first shape itself
+// is exact from the start.
+constexpr int kRestIterations = 30;
+constexpr double kRestTolerance = 1e-9;
+constexpr int kMaxIterations = 1'000'000;
+
+}  // namespace
+
+class PoseState::Impl {
+ public:
+  explicit Impl(std::shared_ptr<const PoseModel> model);
+
+  Status SetTarget(int handle, Vec3 position);
+  void ResetToRest();
+  Status Solve(const PoseOptions& options, PoseReport* report);
+  void UpdateMatrices();
+
+  std::shared_ptr<const PoseModel> model;
+  std::vector<Vec3> targets;       // [H], mesh space, as set
+  std::vector<float> matrices;     // [H][S][3][4]
+  std::variant<Alternation<2>, Alternation<3>> alternation;
+
+ private:
+  static std::variant<Alternation<2>, Alternation<3>> MakeAlternation(const PoseModel& model) {
+    if (model.k == 2) return Alternation<2>(model);
+    return Alternation<3>(model);
+  }
+  void StoreTarget(int handle, Vec3 position);
+
+  Eigen::Matrix<double, Eigen::Dynamic, 2> transforms2_;   // T^, one of the two is used
+  Eigen::Matrix<double, Eigen::Dynamic, 3> transforms3_;
+};
+
+PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model)
+    : model(std::move(shared_model)), alternation(MakeAlternation(*model)) {
+  const RigTables& tables = model->rig->tables();
+  const auto rows = static_cast<Eigen::Index>(tables.num_transform_rows());
+  if (model->k == 2) transforms2_.resize(rows, 2);
+  if (model->k == 3) transforms3_.resize(rows, 3);
+  targets.resize(tables.handles.size());
+  matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
+  ResetToRest();
+}
+
+void PoseState::Impl::StoreTarget(int handle, Vec3 position) {
+  targets[static_cast<size_t>(handle)] = position;
+  const int pin = model->pin_of_handle[static_cast<size_t>(handle)];
+  if (pin < 0) return;
+  // In double: a target far from the origin keeps its digits until it is centred.
+  const RigSpace& space = model->rig->tables().space;
+  double rig_position[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    double turned = 0;
+    for (int a = 0; a < 3; ++a) {
+      turned += static_cast<double>(space.basis[3 * axis + a]) *
+                (static_cast<double>(position[a]) - static_cast<double>(space.origin[a]));
+    }
+    rig_position[axis] = turned / static_cast<double>(space.scale);
+  }
+  std::visit(
+      [pin, &rig_position](auto& unknowns) {
+        for (int axis = 0; axis < unknowns.targets.cols(); ++axis) {
+          unknowns.targets(pin, axis) = rig_position[axis];
+        }
+      },
+      alternation);
+}
+
+Status PoseState::Impl::SetTarget(int handle, Vec3 position) {
+  if (handle < 0 || handle >= static_cast<int>(targets.size())) {
+    return Error(StatusCode::kInvalidArgument, "%s: handle %d; expected 0 to %zu",
+                 model->rig->name().c_str(), handle, targets.size() - 1);
+  }
+  const RigHandle& rig_handle = model->rig->tables().handles[static_cast<size_t>(handle)];
+  if (model->pin_of_handle[static_cast<size_t>(handle)] < 0) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: handle '%s' is free and takes no target; bake it as pinned",
+                 model->rig->name().c_str(), rig_handle.name.c_str());
+  }
+  if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: handle '%s': target (%g, %g, %g) is not finite; the old one is kept",
+                 model->rig->name().c_str(), rig_handle.name.c_str(),
+                 static_cast<double>(position.x), static_cast<double>(position.y),
+                 static_cast<double>(position.z));
+  }
+  StoreTarget(handle, position);
+  return {};
+}
+
+void PoseState::Impl::ResetToRest() {
+  const std::vector<RigHandle>& handles = model->rig->tables().handles;
+  for (size_t h = 0; h < handles.size(); ++h) {
+    StoreTarget(static_cast<int>(h), handles[h].rest_position);
+  }
+  std::visit([this](auto& unknowns) { unknowns.ResetToRest(*model); }, alternation);
+  PoseOptions settle;
+  settle.iterations = kRestIterations;
+  settle.settle_tolerance = kRestTolerance;
+  settle.rotations = model->rig->tables().has_rotations;
+  // Cannot fail: the options are in range and rotations are asked for only where there are any.
+  (void)Solve(settle, nullptr);
+}
+
+Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
+  if (options.iterations < 1 || options.iterations > kMaxIterations ||
+      !(options.lambda >= 0) || !std::isfinite(options.lambda) ||
+      !(options.settle_tolerance >= 0)) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: iterations %d, lambda %g, tolerance %g; expected at least one iteration and "
+                 "finite numbers of zero or more",
+                 model->rig->name().c_str(), options.iterations,
+                 static_cast<double>(options.lambda), options.settle_tolerance);
+  }
+  if (options.rotations && !model->rig->tables().has_rotations) {
+    return Error(StatusCode::kUnsupported,
+                 "%s: baked without rotations; solve without them or bake again",
+                 model->rig->name().c_str());
+  }
+  PoseReport result;
+  std::visit(
+      [&](auto& unknowns) {
+        while (result.iterations < options.iterations && !result.settled) {
+          const auto outcome =
+              unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations});
+          ++result.iterations;
+          result.change = outcome.change;
+          result.optimality = outcome.optimality;
+          // The first alternation of a call still has last call's rotations in front of it.
+          result.settled = result.iterations > 1 && result.change <= options.settle_tolerance;
+        }
+        if (report == nullptr) return;
+        double nearness = 0;
+        const double scale = static_cast<double>(model->rig->tables().space.scale);
+        result.elastic = scale * unknowns.ElasticRoot(*model, &nearness);
+        result.energy = result.elastic + scale * nearness;
+      },
+      alternation);
+  UpdateMatrices();
+  if (report != nullptr) *report = result;
+  return {};
+}
+
+// matrices = scale * basis * [A | t], with A = T^ transposed block by block; in the plane the
+// third rig coordinate is zero and stays so.
+void PoseState::Impl::UpdateMatrices() {
+  const RigTables& tables = model->rig->tables();
+  const auto fill = [&](const auto& transforms) {
+    const auto k = static_cast<int>(transforms.cols());
+    const Eigen::Index blocks = transforms.rows() / (k + 1);
+    for (Eigen::Index block = 0; block < blocks; ++block) {
+      for (int row = 0; row < 3; ++row) {
+        float* out = matrices.data() + (block * 3 + row) * 4;
+        for (int column = 0; column < 4; ++column) {
+          double sum = 0;
+          const int source = column == 3 ? k : column;
+          for (int axis = 0; axis < k && (source < k || column == 3); ++axis) {
+            sum += static_cast<double>(tables.space.basis[3 * axis + row]) *
+                   transforms(block * (k + 1) + source, axis);
+          }
+          out[column] = static_cast<float>(static_cast<double>(tables.space.scale) * sum);
+        }
+      }
+    }
+  };
+  if (model->k == 2) {
+    std::get<Alternation<2>>(alternation).Transforms(*model, &transforms2_);
+    fill(transforms2_);
+  } else {
+    std::get<Alternation<3>>(alternation).Transforms(*model, &transforms3_);
+    fill(transforms3_);
+  }
+}
+
+PoseState::PoseState(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PoseState::PoseState(PoseState&&) noexcept = default;
+PoseState& PoseState::operator=(PoseState&&) noexcept = default;
+PoseState::~PoseState() = default;
+
+Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model) {
+  return PoseState(std::make_unique<Impl>(std::move(model)));
+}
+
+Result<PoseState> PoseState::Create(std::shared_ptr<const Rig> rig) {
+  Result<std::shared_ptr<const PoseModel>> model = PoseModel::Create(std::move(rig));
+  if (!model.ok()) return model.status();
+  return Create(std::move(model).value());
+}
+
+const Rig& PoseState::rig() const { return *impl_->model->rig; }
+Status PoseState::SetTarget(int handle, Vec3 position_mesh) {
+  return impl_->SetTarget(handle, position_mesh);
+}
+Vec3 PoseState::target(int handle) const { return impl_->targets.at(static_cast<size_t>(handle)); }
+void PoseState::ResetToRest() { impl_->ResetToRest(); }
+Status PoseState::Solve(const PoseOptions& options, PoseReport* report) {
+  return impl_->Solve(options, report);
+}
+
+SkinTransforms PoseState::transforms() const {
+  const RigSpace& space = impl_->model->rig->tables().space;
+  return {impl_->matrices, Vec3{space.origin[0], space.origin[1], space.origin[2]}};
+}
+
+std::span<const double> PoseState::blend_weights() const {
+  return std::visit([](const auto& unknowns) { return std::span<const double>(unknowns.blend()); },
+                    impl_->alternation);
+}
+
+}  // namespace limber
