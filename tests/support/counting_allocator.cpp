@@ -1,5 +1,6 @@
 #include "support/counting_allocator.h"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
