@@ -1,0 +1,201 @@
+// limber bake: a glTF with morph targets and handles -> a glTF that a game can drag.
+#include "bake/bake.h"
+#include "bake/write_baked.h"
+#include "cli/character_input.h"
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/progress_bar.h"
+#include "import/import_gltf.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+namespace limber::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr char kFooter[] =
+    R"(Handles are the points that a game drags. They come from, in this order:
+  --handles FILE       {"handles":[{"name":"tail","vertex":123},
+                                   {"name":"knee","position":[x,y,z],"free":true}]}
+                       vertex numbers count from 0 in the source's order; a position is in the mesh's
+                       space and snaps to the nearest vertex; a free handle is not dragged, it adds
+                       freedom
+  --auto-handles N     N points spread over the extremities
+  nodes of the glTF    whose extras mark them as handles
+Everything else in the input file survives. Bake last: tools that rewrite the mesh afterwards make
+the bake stale, which the loader notices and refuses. The same input gives the same bytes.
+
+Examples:
+  limber bake cat.glb -o cat_baked.glb                      handles marked in the file
+  limber bake horse.glb -o horse_baked.glb --auto-handles 10
+  limber bake face.glb -o face_baked.glb --handles face_handles.json --no-rotations
+)";
+
+struct BakeCommandOptions {
+  std::string input, output, handle_file, node;
+  int num_auto_handles = 0;
+  bool no_base = false;
+  bake::BakeOptions bake;
+  bool no_rotations = false;
+};
+
+// Fails early, before minutes of work whose result could not be stored.
+Status CheckOutputPlace(const std::string& output) {
+  const fs::path path(output);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    return Error(StatusCode::kIoError, "%s: output: is a folder; name a file", output.c_str());
+  }
+  if (!fs::is_directory(folder, ignored)) {
+    return Error(StatusCode::kIoError, "%s: output: there is no folder %s; make it first",
+                 output.c_str(), folder.c_str());
+  }
+  if (access(folder.c_str(), W_OK) != 0) {
+    return Error(StatusCode::kIoError, "%s: output: no permission to write into %s", output.c_str(),
+                 folder.c_str());
+  }
+  if (path.extension() != ".glb") {
+    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb",
+                 output.c_str());
+  }
+  return {};
+}
+
+struct BakeSummary {
+  HandleChoice handles;
+  double seconds = 0;
+};
+
+Json SummaryJson(const BakeCommandOptions& options, const BakeSummary& summary,
+                 const bake::BakedCharacter& baked) {
+  Json handles = Json::array(), timings = Json::array();
+  for (const RigHandle& handle : baked.tables.handles) {
+    const Vec3& p = handle.rest_position;
+    handles.push_back(
+        {{"name", handle.name}, {"pinned", handle.pinned}, {"rest", {p.x, p.y, p.z}}});
+  }
+  for (const bake::BakeTiming& timing : baked.timings) {
+    timings.push_back({{"stage", timing.stage}, {"seconds", timing.seconds}});
+  }
+  std::error_code ignored;
+  return {{"input", options.input},
+          {"output", options.output},
+          {"bytes", fs::file_size(options.output, ignored)},
+          {"dimension", baked.tables.dimension},
+          {"draw_vertices", baked.mesh.num_draw_vertices},
+          {"solve_vertices", baked.mesh.num_solve_vertices},
+          {"triangles", baked.mesh.num_triangles()},
+          {"shapes", baked.tables.shape_names},
+          {"handle_source", summary.handles.source},
+          {"handles", handles},
+          {"groups", baked.tables.num_groups},
+          {"modes", baked.tables.num_modes},
+          {"rotations", baked.tables.has_rotations},
+          {"seconds", summary.seconds},
+          {"timings", timings},
+          {"warnings", baked.warnings}};
+}
+
+void PrintSummary(const BakeCommandOptions& options, const BakeSummary& summary,
+                  const bake::BakedCharacter& baked, const Console& console) {
+  const RigTables& tables = baked.tables;
+  const SkinMesh& mesh = baked.mesh;
+  std::string names, stages;
+  for (const RigHandle& handle : tables.handles) {
+    names += (names.empty() ? "" : ", ") + handle.name + (handle.pinned ? "" : " (free)");
+  }
+  for (const bake::BakeTiming& timing : baked.timings) {
+    char text[96];
+    std::snprintf(text, sizeof text, "%s%s %.2f", stages.empty() ? "" : ", ", timing.stage.c_str(),
+                  timing.seconds);
+    stages += text;
+  }
+  std::error_code ignored;
+  const auto num_bytes = static_cast<double>(fs::file_size(options.output, ignored));
+  console.Print("baked %s -> %s (%.1f MB)", options.input.c_str(), options.output.c_str(),
+                num_bytes / 1e6);
+  console.Print("  mesh     %u vertices (%u for drawing), %u triangles, %s",
+                mesh.num_solve_vertices, mesh.num_draw_vertices, mesh.num_triangles(),
+                tables.dimension == 2 ? "planar" : "3D");
+  console.Print("  shapes   %d", tables.num_shapes());
+  console.Print("  handles  %d, %s: %s", tables.num_handles(), summary.handles.source.c_str(),
+                names.c_str());
+  console.Print("  model    %d edge groups, %d modes%s", tables.num_groups, tables.num_modes,
+                tables.has_rotations ? "" : ", without rotations");
+  console.Print("  time     %.2f s (%s)", summary.seconds, stages.c_str());
+}
+
+ExitCode RunBake(BakeCommandOptions options, const Console& console) {
+  if (Status s = CheckOutputPlace(options.output); !s.ok()) return console.Fail(s);
+  const auto start = Clock::now();
+  ProgressBar progress(console);
+  const auto fail = [&](const Status& status) {
+    progress.Clear();
+    return console.Fail(status);
+  };
+  progress.Update("read", 0);
+  bake::ImportOptions import_options;
+  import_options.node = options.node;
+  import_options.include_base = !options.no_base;
+  const Result<bake::RawCharacter> raw = bake::ImportGltf(options.input, import_options);
+  if (!raw.ok()) return fail(raw.status());
+  Result<HandleChoice> choice =
+      ChooseHandleSource(*raw, options.handle_file, options.num_auto_handles);
+  if (!choice.ok()) return fail(choice.status());
+
+  options.bake.rotations = !options.no_rotations;
+  const auto report = [&](const char* stage, double fraction) {
+    return progress.Update(stage, fraction);
+  };
+  Result<bake::BakedCharacter> baked = bake::Bake(*raw, choice->handles, options.bake, report);
+  if (!baked.ok()) return fail(baked.status());
+  if (!progress.Update("write", 1)) return fail(Error(StatusCode::kInvalidArgument, "cancelled"));
+  if (Status s = bake::WriteBaked(options.input, *raw, *baked, options.output); !s.ok())
+    return fail(s);
+  progress.Clear();
+
+  const BakeSummary summary{std::move(choice).value(),
+                            std::chrono::duration<double>(Clock::now() - start).count()};
+  PrintSummary(options, summary, *baked, console);
+  console.Emit(SummaryJson(options, summary, *baked));
+  console.Warn(raw->warnings);
+  console.Warn(baked->warnings);
+  return kSuccess;
+}
+
+}  // namespace
+
+Command AddBakeCommand(CLI::App* parent) {
+  CLI::App* app = parent->add_subcommand("bake", "Prepare a glTF with morph targets for dragging");
+  auto options = std::make_shared<BakeCommandOptions>();
+  app->add_option("IN", options->input, "A .glb or .gltf whose mesh has morph targets")->required();
+  app->add_option("-o,--output", options->output, "The baked .glb")->required();
+  app->add_option("--handles", options->handle_file, "Handles from a JSON file");
+  app->add_option("--auto-handles", options->num_auto_handles, "Choose this many handles")
+      ->check(CLI::Range(1, 1024));
+  app->add_option("--node", options->node,
+                  "The mesh's node, by name or number, where the file has several");
+  app->add_flag("--no-base", options->no_base,
+                "The base mesh is not one of the example shapes, only the targets are");
+  app->add_option("--groups", options->bake.num_groups,
+                  "Edge groups that rotate and blend together (default: twice the handles)")
+      ->check(CLI::Range(1, 4096));
+  app->add_flag("--no-rotations", options->no_rotations,
+                "Bake only for blending without local rotations (faces): a smaller file");
+  app->add_option("--threads", options->bake.num_threads, "Threads to use (default: one per core)")
+      ->check(CLI::Range(1, 1024));
+  app->get_option("--handles")->excludes(app->get_option("--auto-handles"));
+  app->footer(kFooter);
+  return {app, [options](const Console& console) { return RunBake(*options, console); }};
+}
+
+}  // namespace limber::cli

@@ -1,0 +1,80 @@
+#include "cli/pose_run.h"
+
+#include "import/frames_file.h"
+#include "load/rig_loader.h"
+
+#include <cstdio>
+
+namespace limber::cli {
+namespace {
+
+constexpr int kDefaultIterations = 1;
+constexpr int kSettleIterations = 200;
+constexpr float kSettleTolerance = 1e-6f;
+
+std::string KnownHandles(const Rig& rig) {
+  std::string names;
+  for (const RigHandle& handle : rig.tables().handles) {
+    if (!handle.pinned) continue;
+    names += (names.empty() ? "" : ", ") + handle.name;
+  }
+  return names;
+}
+
+// `place` names the frame, for messages.
+Result<int> ResolveHandle(const Rig& rig, const std::string& name, const std::string& place) {
+  const int handle = rig.FindHandle(name);
+  if (handle < 0) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: the character has no handle \"%s\"; its handles are %s", place.c_str(),
+                 name.c_str(), KnownHandles(rig).c_str());
+  }
+  if (!rig.tables().handles[static_cast<size_t>(handle)].pinned) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: handle \"%s\" is free and follows by itself; those to drag are %s",
+                 place.c_str(), name.c_str(), KnownHandles(rig).c_str());
+  }
+  return handle;
+}
+
+}  // namespace
+
+void PoseRunOptions::AddTo(CLI::App* app) {
+  app->add_option("BAKED", baked, "A glTF written by limber bake")->required();
+  app->add_option("--targets", targets, "The frames, as JSON (see below)")->required();
+  app->add_option("-o,--output", output, "Folder for the results; made if absent")->required();
+  app->add_option("--iterations", iterations,
+                  "Alternations of the solver a frame (default 1; with --settle at most 200)")
+      ->check(CLI::Range(1, 100000));
+  app->add_option("--lambda", lambda,
+                  "Weight of nearness to the examples (eq. 10); 0: their span only")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0f, 1e6f));
+  app->add_flag("--no-rotations", no_rotations,
+                "Blend without local rotations: one convex problem, for faces and the like");
+  app->add_flag("--settle", settle, "Go on in each frame until nothing moves any more");
+}
+
+PoseOptions PoseRunOptions::ForSolver() const {
+  PoseOptions pose;
+  pose.iterations = iterations > 0 ? iterations : settle ? kSettleIterations : kDefaultIterations;
+  pose.lambda = lambda;
+  pose.rotations = !no_rotations;
+  pose.settle_tolerance = settle ? kSettleTolerance : 0;
+  return pose;
+}
+
+Status ApplyFrame(const PoseFrame& frame, PoseState* state) {
+  for (const auto& [handle, position] : frame.targets) {
+    LIMBER_RETURN_IF_ERROR(state->SetTarget(handle, position));
+  }
+  return {};
+}
+
+std::string FrameName(size_t index) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%04zu", index);
+  return name;
+}
+
+}  // namespace limber::cli
