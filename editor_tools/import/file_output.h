@@ -1,0 +1,22 @@
+// Writing files so that nothing half-written is ever seen, and assembling GLBs.
+#pragma once
+
+#include "core/status.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace limber::bake {
+
+// Header, JSON chunk (padded with spaces) and, unless it is empty, a binary chunk (padded with
+// zeros). Errors: kLimitExceeded beyond GLB's 4 GiB.
+Result<std::vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const uint8_t> bin);
+
+// Writes beside `path`, flushes to the disk, then renames: readers see the old file or the new one,
+// and a failure leaves the old one. Errors: kIoError, beginning with the path.
+Status WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
+
+}  // namespace limber::bake
