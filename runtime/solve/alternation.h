@@ -56,6 +56,8 @@ class Alternation {
 
   Modes targets;                       // X, c x k, rig space
   const std::vector<double>& blend() const { return blend_; }
+  const std::vector<Rotation>& rotations() const { return rotations_; }        // R, [G*S]
+  const std::vector<double>& distances() const { return distances_; }          // D, [G*S]
 
  private:
   void HoldRotationsAtIdentity();

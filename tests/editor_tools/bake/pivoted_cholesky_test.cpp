@@ -1,0 +1,31 @@
+#include "bake/pivoted_cholesky.h"
+
+#include <gtest/gtest.h>
+
+namespace limber::bake {
+namespace {
+
+TEST(PivotedCholesky, FullRank_FactorReproducesTheMatrix) {
+  srand(1);
+  const Eigen::MatrixXd root = Eigen::MatrixXd::Random(20, 20);
+  const Eigen::MatrixXd matrix = root.transpose() * root;
+  const Eigen::MatrixXd factor = PivotedCholesky(matrix, 1e-14);
+  EXPECT_EQ(factor.rows(), 20);
+  EXPECT_LT((factor.transpose() * factor - matrix).norm(), 1e-12 * matrix.norm());
+}
+
+TEST(PivotedCholesky, LowRank_RankIsFoundAndTheFactorStillReproduces) {
+  srand(2);
+  const Eigen::MatrixXd root = Eigen::MatrixXd::Random(5, 30);
+  const Eigen::MatrixXd matrix = root.transpose() * root;
+  const Eigen::MatrixXd factor = PivotedCholesky(matrix, 1e-12);
+  EXPECT_EQ(factor.rows(), 5);
+  EXPECT_LT((factor.transpose() * factor - matrix).norm(), 1e-11 * matrix.norm());
+}
+
+TEST(PivotedCholesky, Zero_HasRankZero) {
+  EXPECT_EQ(PivotedCholesky(Eigen::MatrixXd::Zero(4, 4), 1e-12).rows(), 0);
+}
+
+}  // namespace
+}  // namespace limber::bake
