@@ -5,7 +5,6 @@
 #include "cli/output.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
-#include "cli/source_faces.h"
 #include "skin/cpu_skinner.h"
 
 #include <chrono>
@@ -97,7 +96,7 @@ ExitCode RunSolve(const PoseRunOptions& options, const Console& console) {
   Result<OutputFolder> output = OutputFolder::Create(options.output);
   if (!output.ok()) return console.Fail(output.status());
   ProgressBar progress(console);
-  const SourceFaces faces = FacesOfSource(options.baked, run->rig->mesh());
+  const SourceFaces faces = TrianglesOfSource(run->rig->mesh());
   const Result<Solved> solved = SolveFrames(*run, options, faces, &*output, &progress);
   progress.Clear();
   if (!solved.ok()) return console.Fail(solved.status());

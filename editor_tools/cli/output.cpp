@@ -44,18 +44,6 @@ fs::path TopmostMissing(const fs::path& folder) {
 
 }  // namespace
 
-Status WriteFileWhole(const fs::path& path, std::string_view content) {
-  fs::path beside = path;
-  beside += ".part" + std::to_string(getpid());
-  LIMBER_RETURN_IF_ERROR(WriteFile(beside, path, content));
-  std::error_code error;
-  fs::rename(beside, path, error);
-  if (!error) return {};
-  std::error_code ignored;
-  fs::remove(beside, ignored);
-  return IoError(path, "put it in its place", error.value());
-}
-
 Result<OutputFolder> OutputFolder::Create(const fs::path& folder) {
   OutputFolder output;
   // Without a trailing slash, so that parent_path() goes up.

@@ -1,4 +1,4 @@
-// Outputs that appear whole or not at all: written beside their place, then renamed.
+// A folder of results that appears whole or not at all. (Single files: import/file_output.h.)
 #pragma once
 
 #include "core/status.h"
@@ -9,9 +9,6 @@
 #include <vector>
 
 namespace limber::cli {
-
-// Errors name the path and the system's reason (kIoError).
-Status WriteFileWhole(const std::filesystem::path& path, std::string_view content);
 
 // A folder that a command fills. Files are made in a staging folder inside it and moved to their
 // places by Publish, all at once; until then, and when Publish is never called, the folder is as it

@@ -64,6 +64,26 @@ PoseOptions PoseRunOptions::ForSolver() const {
   return pose;
 }
 
+Result<PoseRun> LoadPoseRun(const PoseRunOptions& options) {
+  auto rig = LoadRig(options.baked);
+  if (!rig.ok()) return rig.status();
+  const auto frames = bake::ReadFramesFile(options.targets);
+  if (!frames.ok()) return frames.status();
+  PoseRun run;
+  run.rig = std::move(*rig);
+  for (size_t i = 0; i < frames->size(); ++i) {
+    const std::string place = options.targets + ": frames[" + std::to_string(i) + "]";
+    PoseFrame frame;
+    for (const auto& [name, position] : (*frames)[i]) {
+      const Result<int> handle = ResolveHandle(*run.rig, name, place);
+      if (!handle.ok()) return handle.status();
+      frame.targets.emplace_back(*handle, position);
+    }
+    run.frames.push_back(std::move(frame));
+  }
+  return run;
+}
+
 Status ApplyFrame(const PoseFrame& frame, PoseState* state) {
   for (const auto& [handle, position] : frame.targets) {
     LIMBER_RETURN_IF_ERROR(state->SetTarget(handle, position));

@@ -26,29 +26,6 @@ bool Empty(const fs::path& folder) {
   return fs::directory_iterator(folder) == fs::directory_iterator();
 }
 
-TEST(WriteFileWhole, IntoAMissingFolder_FailsAndNamesThePath) {
-  const test::TemporaryFolder folder;
-  const Status status = WriteFileWhole(folder.path() / "absent" / "file", "text");
-  EXPECT_EQ(status.code(), StatusCode::kIoError);
-  EXPECT_NE(status.message().find("absent/file"), std::string::npos) << status.message();
-  EXPECT_TRUE(Empty(folder.path()));
-}
-
-TEST(WriteFileWhole, OverAFile_ReplacesItAndLeavesNothingBeside) {
-  const test::TemporaryFolder folder;
-  ASSERT_TRUE(WriteFileWhole(folder.path() / "file", "old").ok());
-  ASSERT_TRUE(WriteFileWhole(folder.path() / "file", "new").ok());
-  EXPECT_EQ(Read(folder.path() / "file"), "new");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
-}
-
-TEST(WriteFileWhole, OverAFolder_FailsAndLeavesNothingBeside) {
-  const test::TemporaryFolder folder;
-  fs::create_directory(folder.path() / "taken");
-  EXPECT_FALSE(WriteFileWhole(folder.path() / "taken", "text").ok());
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
-}
-
 TEST(OutputFolder, NeverPublished_RemovesWhatItMade) {
   const test::TemporaryFolder folder;
   {

@@ -1,0 +1,196 @@
+// limber info: what a source or a baked glTF holds.
+#include <memory>
+
+#include "cli/command.h"
+#include "import/import_gltf.h"
+#include "load/gltf_file.h"
+#include "load/rig_loader.h"
+#include "rig/rig_fields.h"
+
+namespace limber::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr char kFooter[] = R"(For a source: the mesh that `limber bake` would take, its shapes, its marked handles.
+For a baked file: the same, and the reduced model with its sizes in memory.
+
+Examples:
+  limber info horse.glb
+  limber info horse_baked.glb --json
+)";
+
+struct InfoOptions {
+  std::string file, node;
+};
+
+std::string Joined(const Json& names) {
+  constexpr size_t kMostListed = 16;
+  std::string text;
+  for (size_t i = 0; i < names.size() && i < kMostListed; ++i) {
+    text += (i == 0 ? "" : ", ") + names[i].get<std::string>();
+  }
+  return names.size() > kMostListed ? text + ", ..." : text;
+}
+
+Json HandleNames(const Json& handles) {
+  Json names = Json::array();
+  for (const Json& handle : handles) {
+    const bool pinned = handle["pinned"].get<bool>();
+    names.push_back(handle["name"].get<std::string>() + (pinned ? "" : " (free)"));
+  }
+  return names;
+}
+
+Json SourceJson(const bake::RawCharacter& raw) {
+  Json handles = Json::array();
+  for (const bake::HandleSpec& handle : raw.marked_handles) {
+    handles.push_back({{"name", handle.name}, {"pinned", handle.pinned}, {"node", handle.node}});
+  }
+  return {{"file", raw.file},
+          {"baked", false},
+          {"name", raw.name},
+          {"node", raw.node},
+          {"draw_vertices", raw.num_draw_vertices()},
+          {"source_vertices", raw.num_source_vertices},
+          {"triangles", raw.triangles.size() / 3},
+          {"primitives", raw.primitives.size()},
+          {"normals", !raw.normals.empty()},
+          {"tangents", !raw.tangents.empty()},
+          {"texcoords", !raw.texcoords.empty()},
+          {"shapes", raw.shape_names},
+          {"handles", handles},
+          {"warnings", raw.warnings}};
+}
+
+uint64_t ModelBytes(const RigTables& tables) {
+  uint64_t num_floats = 0;
+  VisitRigTables(tables, [&](const char*, const std::vector<float>& table, const auto&) {
+    num_floats += table.size();
+  });
+  return num_floats * sizeof(float);
+}
+
+uint64_t MeshBytes(const SkinMesh& mesh) {
+  return mesh.weights.size() * sizeof(float) + mesh.shape_positions.size() * sizeof(Vec3) +
+         mesh.rest_normals.size() * sizeof(Vec3) +
+         (mesh.rest_tangents.size() + mesh.texcoords.size()) * sizeof(float) +
+         (mesh.solve_vertex.size() + mesh.triangles.size() + mesh.source_vertex.size()) *
+             sizeof(uint32_t);
+}
+
+Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
+  const RigTables& tables = rig.tables();
+  const SkinMesh& mesh = rig.mesh();
+  const Json& extension = file.json()["extensions"][kRigExtensionName];
+  Json handles = Json::array();
+  for (const RigHandle& handle : tables.handles) {
+    const Vec3& p = handle.rest_position;
+    handles.push_back({{"name", handle.name},
+                       {"pinned", handle.pinned},
+                       {"node", handle.node},
+                       {"vertex", handle.vertex},
+                       {"rest", {p.x, p.y, p.z}}});
+  }
+  return {{"file", file.name()},
+          {"baked", true},
+          {"version", extension["version"]},
+          {"mesh_hash", extension["rigs"][static_cast<size_t>(rig_index)]["mesh"]["hash"]},
+          {"name", rig.name()},
+          {"node", FindRigNode(file, rig_index)},
+          {"dimension", tables.dimension},
+          {"draw_vertices", mesh.num_draw_vertices},
+          {"solve_vertices", mesh.num_solve_vertices},
+          {"source_vertices", mesh.num_source_vertices},
+          {"triangles", mesh.num_triangles()},
+          {"primitives", mesh.primitives.size()},
+          {"diagonal", rig.diagonal()},
+          {"shapes", tables.shape_names},
+          {"handles", handles},
+          {"groups", tables.num_groups},
+          {"modes", tables.num_modes},
+          {"rotations", tables.has_rotations},
+          {"model_bytes", ModelBytes(tables)},
+          {"mesh_bytes", MeshBytes(mesh)}};
+}
+
+void PrintSource(const Json& info, const Console& console) {
+  console.Print("%s: mesh \"%s\", not baked", info["file"].get<std::string>().c_str(),
+                info["name"].get<std::string>().c_str());
+  console.Print("  mesh     %d vertices, %d triangles, %d primitives", info["draw_vertices"].get<int>(),
+                info["triangles"].get<int>(), info["primitives"].get<int>());
+  console.Print("  shapes   %zu: %s", info["shapes"].size(), Joined(info["shapes"]).c_str());
+  if (info["handles"].empty()) {
+    console.Print("  handles  none marked; bake with --handles FILE or --auto-handles N");
+  } else {
+    console.Print("  handles  %zu marked: %s", info["handles"].size(),
+                  Joined(HandleNames(info["handles"])).c_str());
+  }
+}
+
+void PrintBaked(const Json& info, const Console& console) {
+  console.Print("%s: \"%s\", baked (%s version %d)", info["file"].get<std::string>().c_str(),
+                info["name"].get<std::string>().c_str(), kRigExtensionName,
+                info["version"].get<int>());
+  console.Print("  mesh     %d vertices (%d for drawing), %d triangles, %d primitives, %s",
+                info["solve_vertices"].get<int>(), info["draw_vertices"].get<int>(),
+                info["triangles"].get<int>(), info["primitives"].get<int>(),
+                info["dimension"] == 2 ? "planar" : "3D");
+  console.Print("  shapes   %zu: %s", info["shapes"].size(), Joined(info["shapes"]).c_str());
+  console.Print("  handles  %zu: %s", info["handles"].size(),
+                Joined(HandleNames(info["handles"])).c_str());
+  console.Print("  model    %d edge groups, %d modes%s", info["groups"].get<int>(),
+                info["modes"].get<int>(),
+                info["rotations"].get<bool>() ? "" : ", without rotations");
+  console.Print("  memory   model %.1f kB, mesh %.1f kB", info["model_bytes"].get<double>() / 1e3,
+                info["mesh_bytes"].get<double>() / 1e3);
+  console.Print("  hash     %s", info["mesh_hash"].get<std::string>().c_str());
+}
+
+ExitCode InfoOfSource(const GltfFile& file, const InfoOptions& options, const Console& console) {
+  bake::ImportOptions import_options;
+  import_options.node = options.node;
+  const Result<bake::RawCharacter> raw = bake::ImportGltf(file, import_options);
+  if (!raw.ok()) return console.Fail(raw.status());
+  const Json info = SourceJson(*raw);
+  PrintSource(info, console);
+  console.Emit(info);
+  console.Warn(raw->warnings);
+  return kSuccess;
+}
+
+ExitCode InfoOfBaked(const GltfFile& file, int num_rigs, const Console& console) {
+  Json infos = Json::array();
+  for (int i = 0; i < num_rigs; ++i) {
+    RigLoadOptions load_options;
+    load_options.rig_index = i;
+    const auto rig = LoadRig(file, load_options);
+    if (!rig.ok()) return console.Fail(rig.status());
+    infos.push_back(BakedJson(file, **rig, i));
+  }
+  for (const Json& info : infos) PrintBaked(info, console);
+  console.Emit(num_rigs == 1 ? infos[0] : Json{{"baked", true}, {"rigs", infos}});
+  return kSuccess;
+}
+
+ExitCode RunInfo(const InfoOptions& options, const Console& console) {
+  const Result<GltfFile> file = GltfFile::Open(options.file);
+  if (!file.ok()) return console.Fail(file.status());
+  const int num_rigs = CountRigs(*file);
+  return num_rigs > 0 ? InfoOfBaked(*file, num_rigs, console)
+                      : InfoOfSource(*file, options, console);
+}
+
+}  // namespace
+
+Command AddInfoCommand(CLI::App* parent) {
+  CLI::App* app = parent->add_subcommand("info", "Say what a source or baked glTF holds");
+  auto options = std::make_shared<InfoOptions>();
+  app->add_option("FILE", options->file, "A .glb or .gltf, baked or not")->required();
+  app->add_option("--node", options->node,
+                  "The mesh's node, by name or number, where a source has several");
+  app->footer(kFooter);
+  return {app, [options](const Console& console) { return RunInfo(*options, console); }};
+}
+
+}  // namespace limber::cli
