@@ -44,22 +44,30 @@ is_installed() {
   dpkg-query -W -f='${db:Status-Status}\n' "$1" 2> /dev/null | grep -qx installed
 }
 
-# Runs apt-get as whoever may; where nobody may, says what to run and ends.
-run_apt() {
-  local environment=(env DEBIAN_FRONTEND=noninteractive)
-  if [[ $(id -u) -eq 0 ]]; then
-    "${environment[@]}" apt-get "$@"
-  elif have sudo && { [[ -t 0 ]] || sudo -n true 2> /dev/null; }; then
-    sudo "${environment[@]}" apt-get "$@"
-  else
-    fail "this needs root; please run: sudo apt-get update && sudo apt-get install -y ${wanted[*]}"
+# Installs the packages "$@", as root or through sudo; where neither is possible says what to run.
+install_packages() {
+  local as_root=() log
+  if [[ $(id -u) -ne 0 ]]; then
+    if ! have sudo || ! { [[ -t 0 ]] || sudo -n true 2> /dev/null; }; then
+      fail "this needs root; please run: sudo apt-get update && sudo apt-get install -y $*"
+    fi
+    as_root=(sudo)
   fi
+  as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=120)
+  say "installing with apt-get: $*"
+  log=$(mktemp)
+  if ! { "${as_root[@]}" update && "${as_root[@]}" install -y --no-install-recommends "$@"; } \
+      > "$log" 2>&1; then
+    tail -n 15 "$log" >&2
+    rm -f "$log"
+    fail "apt-get could not install them (see above)"
+  fi
+  rm -f "$log"
 }
 
 # Debian and its relatives: looks group by group, installs all that is missing at once.
 setup_with_apt() {
-  local purpose=$1 check_only=$2 group package missing
-  wanted=()
+  local purpose=$1 check_only=$2 group package missing wanted=()
   for group in "${groups[@]}"; do
     [[ $group == tests && $purpose == demo ]] && continue
     missing=()
@@ -76,17 +84,7 @@ setup_with_apt() {
   fi
   [[ ${#wanted[@]} -eq 0 ]] && return 0
   [[ $check_only -eq 1 ]] && return 1
-  say "installing ${#wanted[@]} packages with apt-get"
-  local log
-  log=$(mktemp)
-  if ! { run_apt update -q && run_apt install -q -y --no-install-recommends "${wanted[@]}"; } \
-      > "$log" 2>&1; then
-    tail -n 15 "$log" >&2
-    rm -f "$log"
-    fail "apt-get could not install: ${wanted[*]}"
-  fi
-  rm -f "$log"
-  say "installed: ${wanted[*]}"
+  install_packages "${wanted[@]}"
 }
 
 # Elsewhere: no guess at package names beyond the libraries' own; CMake names what is still missing.
