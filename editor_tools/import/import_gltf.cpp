@@ -2,14 +2,12 @@
 
 #include "import/node_transforms.h"
 #include "load/gltf_mesh.h"
-#include "load/rest_frame.h"
 
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 
 namespace limber::bake {
 namespace {
@@ -120,7 +118,6 @@ void FillShapes(const GltfMorphMesh& mesh, bool include_base, RawCharacter* raw)
   }
 }
 
-// A file with normals or tangents on some primitives only gets the others computed.
 void FillSurface(GltfMorphMesh* mesh, RawCharacter* raw) {
   raw->triangles = std::move(mesh->triangles);
   raw->primitives = std::move(mesh->primitives);
@@ -129,14 +126,6 @@ void FillSurface(GltfMorphMesh* mesh, RawCharacter* raw) {
   raw->texcoords = std::move(mesh->texcoords);
   raw->normals = std::move(mesh->normals);
   raw->tangents = std::move(mesh->tangents);
-  std::vector<uint32_t> unwelded(mesh->positions.size());
-  std::iota(unwelded.begin(), unwelded.end(), 0u);
-  if (!raw->normals.empty()) {
-    CompleteNormals(mesh->positions, unwelded, raw->triangles, &raw->normals);
-  }
-  if (!raw->tangents.empty() && !raw->normals.empty() && !raw->texcoords.empty()) {
-    CompleteTangents(mesh->positions, raw->normals, raw->texcoords, raw->triangles, &raw->tangents);
-  }
 }
 
 // Reads the mark of one node; nullopt: it is no handle.

@@ -1,6 +1,7 @@
 #include "load/gltf_mesh.h"
 
 #include "load/gltf_accessor.h"
+#include "load/smooth_normals.h"
 #include "rig/rig_fields.h"
 
 #include <nlohmann/json.hpp>
@@ -74,6 +75,7 @@ class MeshReader {
       if (Skipped(p)) continue;
       LIMBER_RETURN_IF_ERROR(AppendPrimitive(p));
     }
+    CompleteSurface();
     ReadTargetNames();
     LIMBER_RETURN_IF_ERROR(ReadSourceOrder());
     return std::move(mesh_);
@@ -243,6 +245,21 @@ class MeshReader {
     numbers->resize(primitive.first_vertex * static_cast<size_t>(components));
     numbers->insert(numbers->end(), read->begin(), read->end());
     return {};
+  }
+
+  // Normals and tangents are wanted for all vertices or for none.
+  void CompleteSurface() {
+    if (!mesh_.normals.empty()) {
+      std::vector<uint32_t> unshared(mesh_.positions.size());
+      std::iota(unshared.begin(), unshared.end(), 0u);
+      CompleteNormals(mesh_.positions, unshared, mesh_.triangles, &mesh_.normals);
+    }
+    for (size_t v = 0; 4 * v < mesh_.tangents.size(); ++v) {
+      const float* tangent = mesh_.tangents.data() + 4 * v;
+      if (tangent[0] == 0 && tangent[1] == 0 && tangent[2] == 0) {
+        mesh_.tangents.clear();
+      }
+    }
   }
 
   void ReadTargetNames() {

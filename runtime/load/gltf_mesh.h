@@ -22,9 +22,11 @@ struct GltfMorphMesh {
   std::vector<std::string> target_names;   // [T], from extras.targetNames, else "target_0"...
   std::vector<uint32_t> triangles;         // 3 each; corners may repeat (degenerate triangles)
   std::vector<SkinPrimitive> primitives;
-  std::vector<Vec3> normals;     // [D], zero in primitives that have none; empty: none has any
-  std::vector<float> tangents;   // [4 * D], likewise
-  std::vector<float> texcoords;  // [2 * D], likewise; the first set
+  // Of the base mesh. Empty where the file has none; where only some primitives have normals the
+  // others get smooth ones; tangents that some vertices lack are left out altogether.
+  std::vector<Vec3> normals;     // [D], unit
+  std::vector<float> tangents;   // [4 * D]
+  std::vector<float> texcoords;  // [2 * D], the first set; zero in primitives that have none
   // The source's own vertex order (attribute _LIMBER_SOURCE); else that of the draw vertices.
   std::vector<uint32_t> source_vertex;  // [D]
   uint32_t num_source_vertices = 0;

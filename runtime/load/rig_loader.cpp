@@ -2,8 +2,8 @@
 
 #include "load/gltf_accessor.h"
 #include "load/gltf_mesh.h"
-#include "load/rest_frame.h"
 #include "load/rig_json.h"
+#include "rig/rest_frames.h"
 #include "rig/rig_fields.h"
 
 #include <nlohmann/json.hpp>
@@ -183,8 +183,8 @@ Status FillShapes(const RigJson& rig, const GltfMorphMesh& mesh,
   return {};
 }
 
-// Everything of the mesh that does not depend on the rig's space.
-void MoveSurface(GltfMorphMesh* mesh, SkinMesh* skin) {
+// The rest of the mesh; normals and tangents are computed where the file has none.
+void MoveSurface(const RigSpace& space, GltfMorphMesh* mesh, SkinMesh* skin) {
   skin->triangles = std::move(mesh->triangles);
   skin->primitives = std::move(mesh->primitives);
   skin->source_vertex = std::move(mesh->source_vertex);
@@ -192,13 +192,7 @@ void MoveSurface(GltfMorphMesh* mesh, SkinMesh* skin) {
   skin->rest_normals = std::move(mesh->normals);
   skin->rest_tangents = std::move(mesh->tangents);
   skin->texcoords = std::move(mesh->texcoords);
-  CompleteNormals(mesh->positions, skin->solve_vertex, skin->triangles, &skin->rest_normals);
-  if (!skin->texcoords.empty() || !skin->rest_tangents.empty()) {
-    std::vector<float> texcoords = skin->texcoords;
-    texcoords.resize(2 * mesh->positions.size());
-    CompleteTangents(mesh->positions, skin->rest_normals, texcoords, skin->triangles,
-                     &skin->rest_tangents);
-  }
+  CompleteRestFrames(space.basis, skin);
 }
 
 // A node number that another tool has shifted is worth nothing: the name must agree.
@@ -244,7 +238,7 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   if (!first_draw.ok()) return first_draw.status();
   LIMBER_RETURN_IF_ERROR(ReadWeights(file, *mesh, *first_draw, &skin));
   LIMBER_RETURN_IF_ERROR(FillShapes(*rig, *mesh, *first_draw, &skin).WithContext(place));
-  MoveSurface(&*mesh, &skin);
+  MoveSurface(rig->tables.space, &*mesh, &skin);
   CheckHandleNodes(file, &rig->tables);
   const std::string name =
       (*json)->is_object() && (*json)->contains("name") && (**json)["name"].is_string()
