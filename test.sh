@@ -93,8 +93,7 @@ configure_and_build() {
 
 # A number of the report's first element: <testsuite tests="N" failures="N" skipped="N" ...>.
 suite_number() {
-  tr '\n\t' '  ' < "$2" | grep -o '<testsuite [^>]*' | grep -o " $1=\"[0-9]*\"" | head -n 1 |
-    tr -dc 0-9
+  head -n 12 "$2" | tr '\n\t' '  ' | sed -n "s/.*<testsuite [^>]* $1=\"\([0-9]*\)\".*/\1/p"
 }
 
 # run_tests PRESET NAME CTEST-OPTION...: runs and counts the chosen tests. Windows open on an
