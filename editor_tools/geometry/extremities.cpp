@@ -3,6 +3,7 @@
 #include "geometry/geodesic.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -22,6 +23,10 @@ constexpr double kTipRadius = 0.1;
 constexpr size_t kMaxTipCandidates = 96;
 // Tips come before ordinary vertices that are up to this factor farther from what is chosen.
 constexpr double kTipPreference = 2.5;
+
+// Two points count as no farther apart than this many times the straight distance: the inside of a
+// mouth or of a sleeve is far by the surface, yet of no use beside a handle outside.
+constexpr double kLargestDetour = 3;
 
 int Farthest(const std::vector<int>& candidates, const Eigen::VectorXd& distance) {
   return *std::max_element(candidates.begin(), candidates.end(),
@@ -82,8 +87,29 @@ bool MoreRemote(const Eigen::VectorXd& remoteness, int a, int b) {
   return remoteness(a) != remoteness(b) ? remoteness(a) > remoteness(b) : a < b;
 }
 
-std::vector<int> FindTips(const EdgeGraph& graph, const std::vector<int>& eligible,
-                          const Remoteness& remoteness) {
+// Whether the surface at a peak faces away from the middle of what lies around it (within `radius`
+// by the surface). It does at the end of a limb; at the bottom of a pocket it faces back.
+bool PointsOutwards(const SolveMesh& mesh, int peak, const Eigen::VectorXd& distance,
+                    double radius) {
+  const PointMatrix& points = mesh.shapes[0];
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), middle = normal;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    if (a != peak && b != peak && c != peak) continue;
+    normal += (points.row(b) - points.row(a)).cross(points.row(c) - points.row(a));
+  }
+  double count = 0;
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    if (distance(v) > radius) continue;
+    middle += points.row(v);
+    count += 1;
+  }
+  const Eigen::RowVector3d outwards = points.row(peak) - middle / count;
+  // Flat characters face sideways everywhere: only a clear turn backwards counts.
+  return normal.dot(outwards) >= -0.2 * normal.norm() * outwards.norm();
+}
+
+std::vector<int> FindTips(const SolveMesh& mesh, const EdgeGraph& graph,
+                          const std::vector<int>& eligible, const Remoteness& remoteness) {
   const auto more_remote = [&](int a, int b) { return MoreRemote(remoteness.mean_distance, a, b); };
   std::vector<int> peaks;
   for (const int v : eligible) {
@@ -98,13 +124,20 @@ std::vector<int> FindTips(const EdgeGraph& graph, const std::vector<int>& eligib
   std::vector<int> tips;
   for (const int peak : peaks) {
     const Eigen::VectorXd distance = graph.Distances(std::array{peak});
-    if (std::none_of(eligible.begin(), eligible.end(), [&](int v) {
-          return distance(v) < kTipRadius * remoteness.size && more_remote(v, peak);
-        })) {
-      tips.push_back(peak);
-    }
+    const double radius = kTipRadius * remoteness.size;
+    const bool is_highest = std::none_of(eligible.begin(), eligible.end(), [&](int v) {
+      return distance(v) < radius && more_remote(v, peak);
+    });
+    if (is_highest && PointsOutwards(mesh, peak, distance, radius)) tips.push_back(peak);
   }
   return tips;
+}
+
+// Distance of every vertex from `vertex`, for the spreading.
+Eigen::VectorXd SpreadDistance(const SolveMesh& mesh, const EdgeGraph& graph, int vertex) {
+  const PointMatrix& points = mesh.shapes[0];
+  const Eigen::VectorXd straight = (points.rowwise() - points.row(vertex)).rowwise().norm();
+  return graph.Distances(std::array{vertex}).cwiseMin(kLargestDetour * straight);
 }
 
 }  // namespace
@@ -115,10 +148,10 @@ std::vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
   const std::vector<int> eligible = EligibleVertices(mesh);
   const EdgeGraph graph(mesh);
   const Remoteness remoteness = MeasureRemoteness(graph, eligible);
-  const std::vector<int> tips = FindTips(graph, eligible, remoteness);
+  const std::vector<int> tips = FindTips(mesh, graph, eligible, remoteness);
 
   chosen.push_back(tips.empty() ? eligible[0] : tips[0]);
-  Eigen::VectorXd spacing = graph.Distances(chosen);
+  Eigen::VectorXd spacing = SpreadDistance(mesh, graph, chosen[0]);
   while (chosen.size() < static_cast<size_t>(count)) {
     int next = Farthest(eligible, spacing);
     if (!tips.empty()) {
@@ -127,7 +160,7 @@ std::vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
     }
     if (!(spacing(next) > 0)) break;
     chosen.push_back(next);
-    spacing = spacing.cwiseMin(graph.Distances(std::array{next}));
+    spacing = spacing.cwiseMin(SpreadDistance(mesh, graph, next));
   }
   return chosen;
 }
