@@ -1,5 +1,7 @@
 #include "bake/bounded_quadratic.h"
 
+#include <Eigen/SparseCholesky>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,10 +11,12 @@ namespace {
 
 using Eigen::ArrayXd;
 using Eigen::VectorXd;
+using Cholesky = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
 
 constexpr int kMaxIterations = 60;
 constexpr double kGapTolerance = 1e-14;
 constexpr double kDualTolerance = 1e-10;
+constexpr double kStationarityTolerance = 1e-8;
 constexpr double kStepToBoundary = 0.995;
 
 // Primal point with its distances to both bounds and their multipliers; all of them positive.
@@ -46,24 +50,27 @@ Iterate Moved(const Iterate& at, const Step& step, double fraction) {
           at.v + fraction * step.v};
 }
 
+// Factors Q + diag(extra); false where that is not positive definite.
+bool Factorise(Eigen::SparseMatrix<double> Q, const ArrayXd& extra, Cholesky* factor) {
+  for (Eigen::Index i = 0; i < extra.size(); ++i) Q.coeffRef(i, i) += extra(i);
+  factor->factorize(Q);
+  return factor->info() == Eigen::Success;
+}
+
 // The Newton step towards x z = lower and t v = upper (elementwise), by elimination of the
 // multipliers: (Q + z/x + v/t) dx = -dual residual + (lower/x - z) - (upper/t - v).
-Step SolveStep(const geometry::CholeskyFactor& factor, const Iterate& at,
-               const ArrayXd& dual_residual, const ArrayXd& lower, const ArrayXd& upper) {
+Step SolveStep(const Cholesky& factor, const Iterate& at, const ArrayXd& dual_residual,
+               const ArrayXd& lower, const ArrayXd& upper) {
   const ArrayXd to_z = lower / at.x - at.z;
   const ArrayXd to_v = upper / at.t - at.v;
   Step step;
-  step.x = factor.Solve((-dual_residual + to_z - to_v).matrix()).array();
+  step.x = factor.solve((-dual_residual + to_z - to_v).matrix()).array();
   step.z = to_z - at.z / at.x * step.x;
   step.v = to_v + at.v / at.t * step.x;
   return step;
 }
 
 }  // namespace
-
-BoundedQuadratic::BoundedQuadratic(Eigen::SparseMatrix<double> Q)
-    : Q_(std::move(Q)),
-      pattern_(Q_) {}
 
 void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& keep_going,
                              VectorXd* x, BoundedQuadraticReport* report) const {
@@ -78,7 +85,8 @@ void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& kee
   // In units in which the largest gradient at zero is one.
   const Eigen::SparseMatrix<double> Q = Q_ / scale;
   const ArrayXd linear = c.array() / scale;
-  geometry::CholeskyFactor factor(pattern_);
+  Cholesky factor;
+  factor.analyzePattern(Q);
   Iterate at{ArrayXd::Constant(n, 0.5), ArrayXd::Constant(n, 0.5), ArrayXd::Ones(n),
              ArrayXd::Ones(n)};
   for (;; ++report->iterations) {
@@ -89,11 +97,12 @@ void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& kee
     report->gap = at.Complementarity() / size;
     report->stationarity =
         (at.x - (at.x - gradient).max(0.0).min(1.0)).matrix().lpNorm<Eigen::Infinity>();
-    report->converged =
-        report->gap <= kGapTolerance && dual_residual.abs().maxCoeff() <= kDualTolerance;
+    report->converged = report->gap <= kGapTolerance &&
+                        dual_residual.abs().maxCoeff() <= kDualTolerance &&
+                        report->stationarity <= kStationarityTolerance;
     if (report->converged || report->iterations == kMaxIterations || !keep_going()) break;
 
-    if (!factor.Factorise(Q, (at.z / at.x + at.v / at.t).matrix())) break;
+    if (!Factorise(Q, at.z / at.x + at.v / at.t, &factor)) break;
     const ArrayXd zero = ArrayXd::Zero(n);
     const Step affine = SolveStep(factor, at, dual_residual, zero, zero);
     const double mu = at.Complementarity() / static_cast<double>(2 * n);
@@ -103,10 +112,13 @@ void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& kee
     const Step step = SolveStep(factor, at, dual_residual, centred - affine.x * affine.z,
                                 centred + affine.x * affine.v);
     const double fraction = FractionToBoundary(at, step);
-    at = Moved(at, step, std::min(1.0, kStepToBoundary * fraction));
-    if (!at.x.allFinite() || !at.z.allFinite() || !at.v.allFinite()) break;
+    // Ever closer to the boundary as the optimum nears, which makes the last steps superlinear.
+    const double to_boundary = std::max(kStepToBoundary, 1 - mu);
+    Iterate next = Moved(at, step, std::min(1.0, to_boundary * fraction));
+    if (!next.x.allFinite() || !next.z.allFinite() || !next.v.allFinite()) break;
+    at = std::move(next);
   }
-  *x = at.x.matrix();
+  *x = (at.x < at.t).select(at.x, 1 - at.t).matrix();  // the more exact of the two, inside [0, 1]
 }
 
 }  // namespace limber::bake

@@ -1,13 +1,11 @@
 // Convex quadratic programs with bounds 0..1, to full accuracy: the engine of the skinning weights.
 #pragma once
 
-#include "geometry/sparse_cholesky.h"
-
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <functional>
-#include <memory>
+#include <utility>
 
 namespace limber::bake {
 
@@ -22,11 +20,11 @@ struct BoundedQuadraticReport {
 };
 
 // min ½ x^T Q x + c^T x subject to 0 <= x <= 1, for symmetric positive definite Q given whole.
-// Mehrotra's predictor-corrector interior point method; one sparse factorisation an iteration, with
-// a pattern that is analysed once. Const methods may be called from many threads at once.
+// Mehrotra's predictor-corrector interior point method; one sparse factorisation an iteration, the
+// pattern being analysed once. Const methods may be called from many threads at once.
 class BoundedQuadratic {
  public:
-  explicit BoundedQuadratic(Eigen::SparseMatrix<double> Q);
+  explicit BoundedQuadratic(Eigen::SparseMatrix<double> Q) : Q_(std::move(Q)) {}
 
   // Solves for one c. `keep_going` is asked before each iteration; false stops with
   // converged == false. `x` holds the last iterate in any case, inside the bounds.
@@ -35,7 +33,6 @@ class BoundedQuadratic {
 
  private:
   Eigen::SparseMatrix<double> Q_;
-  geometry::CholeskyPattern pattern_;
 };
 
 }  // namespace limber::bake

@@ -23,7 +23,6 @@ using Eigen::SparseMatrix;
 using Eigen::VectorXd;
 
 constexpr double kNegligibleWeight = 1e-7;  // becomes zero before rows are normalised
-constexpr double kStationarityTolerance = 1e-8;
 constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
 
 // The problem of all handles, split into free vertices and handle vertices.
@@ -141,7 +140,7 @@ class HandleSolver {
     }
     for (size_t h = 0; h < reports_.size(); ++h) {
       const BoundedQuadraticReport& report = reports_[h];
-      if (report.converged && report.stationarity <= kStationarityTolerance) continue;
+      if (report.converged) continue;
       return Error(StatusCode::kDegenerate,
                    "skinning weights: handle %zu: no optimum within %d iterations (residual %.3g, "
                    "gap %.3g); check the mesh around it for degenerate triangles",

@@ -1,0 +1,20 @@
+// The least of an OBJ reader, for test data.
+#pragma once
+
+#include "geometry/solve_mesh.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace limber::test {
+
+struct ObjMesh {
+  geometry::PointMatrix points;
+  std::vector<uint32_t> triangles;  // polygons cut into fans
+};
+
+// Positions and faces of the file; empty where it cannot be read.
+ObjMesh ReadObj(const std::filesystem::path& file);
+
+}  // namespace limber::test
