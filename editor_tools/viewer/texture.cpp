@@ -1,0 +1,159 @@
+#include "viewer/texture.h"
+
+#include "skin_vulkan/vulkan_buffer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 8192
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace limber::viewer {
+namespace {
+
+constexpr int kMaxSide = STBI_MAX_DIMENSIONS;
+
+// Linear light of each sRGB code.
+const std::array<float, 256>& LinearOfSrgb() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values{};
+    for (size_t i = 0; i < values.size(); ++i) {
+      const float c = static_cast<float>(i) / 255;
+      values[i] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+    }
+    return values;
+  }();
+  return table;
+}
+
+uint8_t SrgbOfLinear(float linear) {
+  const float c =
+      linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+  return static_cast<uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255));
+}
+
+// Half the size (rounded down, at least 1), each pixel the mean of the ones it covers.
+Image HalfSize(const Image& from, bool srgb) {
+  Image to;
+  to.width = std::max(1u, from.width / 2);
+  to.height = std::max(1u, from.height / 2);
+  to.rgba.resize(size_t{to.width} * to.height * 4);
+  const auto& linear = LinearOfSrgb();
+  for (uint32_t y = 0; y < to.height; ++y) {
+    for (uint32_t x = 0; x < to.width; ++x) {
+      const uint32_t x1 = std::min(2 * x + 1, from.width - 1);
+      const uint32_t y1 = std::min(2 * y + 1, from.height - 1);
+      const uint8_t* corners[4] = {from.pixel(2 * x, 2 * y), from.pixel(x1, 2 * y),
+                                   from.pixel(2 * x, y1), from.pixel(x1, y1)};
+      uint8_t* out = to.rgba.data() + (size_t{y} * to.width + x) * 4;
+      for (int c = 0; c < 4; ++c) {
+        float sum = 0;
+        for (const uint8_t* corner : corners) {
+          sum += srgb && c < 3 ? linear[corner[c]] : static_cast<float>(corner[c]);
+        }
+        out[c] = srgb && c < 3 ? SrgbOfLinear(sum / 4) : static_cast<uint8_t>(std::lround(sum / 4));
+      }
+    }
+  }
+  return to;
+}
+
+std::vector<Image> MipChain(const Image& image, bool srgb) {
+  std::vector<Image> levels = {image};
+  while (levels.back().width > 1 || levels.back().height > 1) {
+    levels.push_back(HalfSize(levels.back(), srgb));
+  }
+  return levels;
+}
+
+void Transition(VkCommandBuffer commands, VkImage image, uint32_t levels, bool to_read) {
+  auto barrier = VulkanInfo<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
+  barrier.srcAccessMask = to_read ? VK_ACCESS_TRANSFER_WRITE_BIT : 0;
+  barrier.dstAccessMask = to_read ? VK_ACCESS_SHADER_READ_BIT : VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.oldLayout = to_read ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  barrier.newLayout =
+      to_read ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels, 0, 1};
+  const VkPipelineStageFlags top = VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT;
+  const VkPipelineStageFlags copy = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  const VkPipelineStageFlags read = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+  vkCmdPipelineBarrier(commands, to_read ? copy : top, to_read ? read : copy, 0, 0, nullptr, 0,
+                       nullptr, 1, &barrier);
+}
+
+}  // namespace
+
+Result<Image> DecodeImage(std::span<const uint8_t> encoded) {
+  if (encoded.size() > (size_t{1} << 28)) {
+    return Error(StatusCode::kLimitExceeded, "larger than 256 MiB");
+  }
+  const auto length = static_cast<int>(encoded.size());
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(encoded.data(), length, &width, &height, &channels) == 0) {
+    return Error(StatusCode::kUnsupported, "is neither PNG nor JPEG");
+  }
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    return Error(StatusCode::kLimitExceeded, "has %d x %d pixels, at most %d a side", width, height,
+                 kMaxSide);
+  }
+  stbi_uc* pixels = stbi_load_from_memory(encoded.data(), length, &width, &height, &channels, 4);
+  if (pixels == nullptr) return Error(StatusCode::kMalformed, "cannot be decoded");
+  Image image;
+  image.width = static_cast<uint32_t>(width);
+  image.height = static_cast<uint32_t>(height);
+  image.rgba.assign(pixels, pixels + size_t{image.width} * image.height * 4);
+  stbi_image_free(pixels);
+  return image;
+}
+
+Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool srgb) {
+  const std::vector<Image> levels = MipChain(image, srgb);
+  GpuImageOptions options;
+  options.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
+  options.extent = {image.width, image.height};
+  options.mip_levels = static_cast<uint32_t>(levels.size());
+  options.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  Result<GpuImage> texture = GpuImage::Create(*device, options);
+  if (!texture.ok()) return texture.status();
+
+  BufferPlan plan(16);
+  std::vector<VkBufferImageCopy> copies;
+  for (const Image& level : levels) {
+    VkBufferImageCopy copy{};
+    copy.bufferOffset = plan.Add(level.rgba.size()).offset;
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, static_cast<uint32_t>(copies.size()), 0, 1};
+    copy.imageExtent = {level.width, level.height, 1};
+    copies.push_back(copy);
+  }
+  Result<VulkanBuffer> staging = VulkanBuffer::Create(
+      device->api(), plan.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  if (!staging.ok()) return staging.status();
+  for (size_t i = 0; i < levels.size(); ++i) {
+    std::memcpy(staging->mapped() + copies[i].bufferOffset, levels[i].rgba.data(),
+                levels[i].rgba.size());
+  }
+  LIMBER_RETURN_IF_ERROR(staging->Flush());
+  LIMBER_RETURN_IF_ERROR(device->SubmitAndWait([&](VkCommandBuffer commands) {
+    Transition(commands, texture->handle(), options.mip_levels, false);
+    vkCmdCopyBufferToImage(commands, staging->handle(), texture->handle(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           static_cast<uint32_t>(copies.size()), copies.data());
+    Transition(commands, texture->handle(), options.mip_levels, true);
+  }));
+  return texture;
+}
+
+}  // namespace limber::viewer

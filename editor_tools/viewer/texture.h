@@ -1,0 +1,20 @@
+// Decoding of image files, and textures with mipmaps on the device.
+#pragma once
+
+#include "core/status.h"
+#include "viewer/gpu_image.h"
+#include "viewer/image.h"
+
+#include <cstdint>
+#include <span>
+
+namespace limber::viewer {
+
+// PNG or JPEG, at most 8192 pixels a side. Errors: kMalformed, kLimitExceeded, kUnsupported.
+Result<Image> DecodeImage(std::span<const uint8_t> encoded);
+
+// A sampled texture with a full chain of mipmaps, averaged in linear light where `srgb`.
+// Waits for the upload. Errors: kDeviceError.
+Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool srgb);
+
+}  // namespace limber::viewer
