@@ -5,9 +5,9 @@
 namespace limber::bake {
 namespace {
 
-// Directions whose root-mean-square motion is below 1e-5 of the largest one's are noise: to use
+// Directions whose root-mean-square motion is below 3e-7 of the largest one's are noise: to use
 // them would need transforms that single precision cannot carry.
-constexpr double kMotionCut = 1e-10;
+constexpr double kMotionCut = 1e-13;
 // Below this fraction of the largest energy a mode counts as free of energy.
 constexpr double kEnergyCut = 1e-13;
 

@@ -85,8 +85,9 @@ BlendWeightStep::Step BlendWeightStep::MinimiserOnFace(const BlendProblem& probl
     slope_[a] = problem.nearness[free_[a]] - problem.nearness[ref_a];
     direction_[a] = -slope_[a];
   }
-  // Repeated shapes make the form singular; this much curvature decides for the smallest change.
-  const double ridge = 1e-12 * largest + std::numeric_limits<double>::min();
+  // Shapes that are equal over a group make the form singular; this much curvature, above the
+  // rounding of Q's entries, decides for the smallest change.
+  const double ridge = 1e-12 * largest + 1e-2 * problem.delta_squared;
   for (int a = 0; a < size; ++a) hessian_[a * size + a] += ridge;
   CholeskyFactor(hessian_.data(), size);
   double reached = value_;
@@ -163,7 +164,7 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
     }
   }
   if (one_only && worst_block >= 0) is_free_[worst_block] = 1;
-  return scale > 0 ? -worst / scale : 0;
+  return worst < 0 ? -worst / scale : 0;
 }
 
 BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {

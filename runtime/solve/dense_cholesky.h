@@ -11,9 +11,9 @@ inline void CholeskyFactor(double* a, int size) {
   for (int j = 0; j < size; ++j) {
     double* row_j = a + static_cast<long>(j) * size;
     double pivot = row_j[j];
-    const double original = pivot;
+    const double smallest = 1e-15 * std::abs(pivot) + 1e-300;
     for (int m = 0; m < j; ++m) pivot -= row_j[m] * row_j[m];
-    pivot = std::sqrt(pivot > 1e-15 * original ? pivot : 1e-15 * original + 1e-300);
+    pivot = std::sqrt(pivot > smallest ? pivot : smallest);
     row_j[j] = pivot;
     for (int i = j + 1; i < size; ++i) {
       double* row_i = a + static_cast<long>(i) * size;
