@@ -14,8 +14,8 @@ using Eigen::VectorXd;
 using Cholesky = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
 
 constexpr int kMaxIterations = 60;
-constexpr double kGapTolerance = 1e-14;
-constexpr double kDualTolerance = 1e-10;
+constexpr double kGapTolerance = 1e-12;
+constexpr double kDualTolerance = 1e-8;
 constexpr double kStationarityTolerance = 1e-8;
 constexpr double kStepToBoundary = 0.995;
 
@@ -52,7 +52,8 @@ Iterate Moved(const Iterate& at, const Step& step, double fraction) {
 
 // Factors Q + diag(extra); false where that is not positive definite.
 bool Factorise(Eigen::SparseMatrix<double> Q, const ArrayXd& extra, Cholesky* factor) {
-  for (Eigen::Index i = 0; i < extra.size(); ++i) Q.coeffRef(i, i) += extra(i);
+  for (Eigen::Index i = 0; i < extra.size(); ++i)
+    Q.coeffRef(i, i) += extra(i);
   factor->factorize(Q);
   return factor->info() == Eigen::Success;
 }
@@ -112,9 +113,7 @@ void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& kee
     const Step step = SolveStep(factor, at, dual_residual, centred - affine.x * affine.z,
                                 centred + affine.x * affine.v);
     const double fraction = FractionToBoundary(at, step);
-    // Ever closer to the boundary as the optimum nears, which makes the last steps superlinear.
-    const double to_boundary = std::max(kStepToBoundary, 1 - mu);
-    Iterate next = Moved(at, step, std::min(1.0, to_boundary * fraction));
+    Iterate next = Moved(at, step, std::min(1.0, kStepToBoundary * fraction));
     if (!next.x.allFinite() || !next.z.allFinite() || !next.v.allFinite()) break;
     at = std::move(next);
   }
