@@ -18,6 +18,11 @@ struct WeightsReport {
 
 // V x H: for each handle min 1/2 w^T (L A^-1 L) w, 0 <= w <= 1, one at its own vertex, zero at the
 // others'; rows then normalised to sum to one. handle_vertices: H distinct solve vertices.
+// Every handle's problem is solved to its optimum (see bounded_quadratic.h) or the call fails with
+// the handle's number and the residual. num_threads <= 0: one per core; the result has the same bits
+// for any number. progress (may be empty) is told "weights" and the fraction of this stage, on the
+// caller's thread only. Errors: kNoHandles, kInvalidArgument (handle vertices; "cancelled"),
+// kDegenerate (not finite, not connected, no optimum), kInternal (out of memory).
 Result<Eigen::MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
                                                  std::span<const int> handle_vertices,
                                                  int num_threads, const ProgressCallback& progress,
