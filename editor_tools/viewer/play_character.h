@@ -1,0 +1,78 @@
+// The character in play, without window or device: targets in, pose out, and what a ray hits.
+#pragma once
+
+#include "core/status.h"
+#include "pick/picker.h"
+#include "rig/rig.h"
+#include "skin/cpu_skinner.h"
+#include "solve/pose_solver.h"
+#include "viewer/play_input.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace limber::viewer {
+
+// What the pointer is over.
+struct PointerHit {
+  PointerTarget target = PointerTarget::kBackground;
+  int handle = -1;  // the dot; on the skin the nearest pinned handle, which a drag moves for it
+  Vec3 point;       // the dot's middle, or the point of the skin
+};
+
+class PlayCharacter {
+ public:
+  static Result<PlayCharacter> Create(std::shared_ptr<const Rig> rig, const PoseOptions& options);
+
+  const Rig& rig() const { return state_.rig(); }
+
+  bool planar() const { return rig().dimension() == 2; }
+
+  // Where the dots are: a pinned handle's target, a free handle's place on the skin. Mesh space.
+  std::span<const Vec3> handle_positions() const { return handle_positions_; }
+
+  bool pinned(int handle) const {
+    return rig().tables().handles[static_cast<size_t>(handle)].pinned;
+  }
+
+  // One pinned handle after another, as spans need them (never vector<bool>).
+  std::span<const bool> pinned_handles() const {
+    return {pinned_.get(), static_cast<size_t>(rig().num_handles())};
+  }
+
+  // Moves a pinned handle's target; refused positions and free handles change nothing.
+  void MoveHandle(int handle, Vec3 target_mesh);
+  void Reset();
+
+  // One solve with warm start. The pose is `moving()` until a solve changes nothing any more.
+  Status Step();
+
+  bool moving() const { return moving_; }
+
+  SkinTransforms transforms() const { return state_.transforms(); }
+
+  // The deformed solve vertices, mesh space; valid until the next call. Skinned when first asked
+  // for after a Step.
+  Result<std::span<const Vec3>> SolvePositions();
+
+  // What lies under the ray. Dots come before the skin, and where `dots_shown` is false they are
+  // not there. Refits the picking structure if the pose has changed.
+  Result<PointerHit> Pick(const PickRay& ray, const HandlePickOptions& reach, bool dots_shown);
+
+ private:
+  PlayCharacter(PoseState state, CpuSkinner skinner, Picker picker);
+  void PlaceHandles();
+  Status EnsurePickable();
+
+  PoseState state_;
+  CpuSkinner skinner_;
+  Picker picker_;
+  PoseOptions options_;
+  std::vector<Vec3> handle_positions_;
+  std::unique_ptr<bool[]> pinned_;
+  bool moving_ = true;
+  bool skinned_ = false, pickable_ = false;  // up to date with the last Step
+};
+
+}  // namespace limber::viewer

@@ -1,0 +1,29 @@
+// The player on a character made in code, as a program: what play_window_test drives.
+//   play_host cylinder|square [--frames N] [--screenshot FILE]
+#include "viewer/play_window.h"
+
+#include "play_rigs.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+int main(int argc, char** argv) {
+  using namespace limber;
+  if (argc < 2) return 2;
+  viewer::PlayOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.validation = true;
+  for (int i = 2; i + 1 < argc; i += 2) {
+    if (std::strcmp(argv[i], "--frames") == 0) options.max_frames = std::atoi(argv[i + 1]);
+    if (std::strcmp(argv[i], "--screenshot") == 0) options.screenshot_path = argv[i + 1];
+  }
+  const bool square = std::strcmp(argv[1], "square") == 0;
+  const Status status =
+      viewer::PlayRig(square ? test::BakeSquare() : test::BakeCylinder(), {}, options);
+  if (status.ok()) return 0;
+  std::fprintf(stderr, "%s\n", status.message().c_str());
+  return 1;
+}
