@@ -24,8 +24,8 @@ validator_version=2.0.0-dev.3.10
 
 groups=(build libraries pictures tests)   # in this order; a demo needs all but the last
 declare -A packages=(
-  [build]="cmake ninja-build g++ libc6-dev glslang-tools"
-  [libraries]="libeigen3-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libstb-dev libpng-dev
+  [build]="cmake ninja-build g++ libc6-dev glslang-tools pkg-config"
+  [libraries]="libeigen3-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libstb-dev libpng-dev libglm-dev
     libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
   [tests]="libgtest-dev libbenchmark-dev vulkan-validationlayers spirv-tools xvfb xauth xdotool

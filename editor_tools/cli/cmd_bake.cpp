@@ -29,7 +29,7 @@ constexpr char kFooter[] =
                        space and snaps to the nearest vertex; a free handle is not dragged, it adds
                        freedom
   --auto-handles N     N points spread over the extremities
-  nodes of the glTF    whose extras mark them as handles
+  nodes of the glTF    whose extras say {"limber_handle":true}, or {"limber_handle":{"pinned":false}}
 Everything else in the input file survives. Bake last: tools that rewrite the mesh afterwards make
 the bake stale, which the loader notices and refuses. The same input gives the same bytes.
 
@@ -63,8 +63,8 @@ Status CheckOutputPlace(const std::string& output) {
     return Error(StatusCode::kIoError, "%s: output: no permission to write into %s", output.c_str(),
                  folder.c_str());
   }
-  if (path.extension() != ".glb") {
-    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb",
+  if (path.extension() != ".glb" && path.extension() != ".gltf") {
+    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb or .gltf",
                  output.c_str());
   }
   return {};
@@ -177,23 +177,33 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
 Command AddBakeCommand(CLI::App* parent) {
   CLI::App* app = parent->add_subcommand("bake", "Prepare a glTF with morph targets for dragging");
   auto options = std::make_shared<BakeCommandOptions>();
-  app->add_option("IN", options->input, "A .glb or .gltf whose mesh has morph targets")->required();
-  app->add_option("-o,--output", options->output, "The baked .glb")->required();
-  app->add_option("--handles", options->handle_file, "Handles from a JSON file");
-  app->add_option("--auto-handles", options->num_auto_handles, "Choose this many handles")
-      ->check(CLI::Range(1, 1024));
+  app->add_option("IN", options->input, "A .glb or .gltf whose mesh has morph targets")
+      ->required()
+      ->option_text(" ");
+  app->add_option("-o,--output", options->output, "The baked .glb (or .gltf, data inside)")
+      ->required()
+      ->option_text("FILE (required)");
+  auto* file = app->add_option("--handles", options->handle_file, "Handles from a JSON file")
+                   ->option_text("FILE");
+  app->add_option("--auto-handles", options->num_auto_handles,
+                  "Choose this many handles (1 to 1024)")
+      ->check(CLI::Range(1, 1024))
+      ->excludes(file)
+      ->option_text("N");
   app->add_option("--node", options->node,
-                  "The mesh's node, by name or number, where the file has several");
+                  "The mesh's node, by name or number, where the file has several")
+      ->option_text("NODE");
   app->add_flag("--no-base", options->no_base,
                 "The base mesh is not one of the example shapes, only the targets are");
   app->add_option("--groups", options->bake.num_groups,
-                  "Edge groups that rotate and blend together (default: twice the handles)")
-      ->check(CLI::Range(1, 4096));
+                  "Edge groups that rotate and blend as one (default: twice the handles)")
+      ->check(CLI::Range(1, 4096))
+      ->option_text("N");
   app->add_flag("--no-rotations", options->no_rotations,
                 "Bake only for blending without local rotations (faces): a smaller file");
   app->add_option("--threads", options->bake.num_threads, "Threads to use (default: one per core)")
-      ->check(CLI::Range(1, 1024));
-  app->get_option("--handles")->excludes(app->get_option("--auto-handles"));
+      ->check(CLI::Range(1, 1024))
+      ->option_text("N");
   app->footer(kFooter);
   return {app, [options](const Console& console) { return RunBake(*options, console); }};
 }

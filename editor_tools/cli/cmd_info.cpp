@@ -1,18 +1,19 @@
 // limber info: what a source or a baked glTF holds.
-#include <memory>
-
 #include "cli/command.h"
 #include "import/import_gltf.h"
 #include "load/gltf_file.h"
 #include "load/rig_loader.h"
 #include "rig/rig_fields.h"
 
+#include <memory>
+
 namespace limber::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr char kFooter[] = R"(For a source: the mesh that `limber bake` would take, its shapes, its marked handles.
+constexpr char kFooter[] =
+    R"(For a source: the mesh that `limber bake` would take, its shapes, its marked handles.
 For a baked file: the same, and the reduced model with its sizes in memory.
 
 Examples:
@@ -117,8 +118,9 @@ Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
 void PrintSource(const Json& info, const Console& console) {
   console.Print("%s: mesh \"%s\", not baked", info["file"].get<std::string>().c_str(),
                 info["name"].get<std::string>().c_str());
-  console.Print("  mesh     %d vertices, %d triangles, %d primitives", info["draw_vertices"].get<int>(),
-                info["triangles"].get<int>(), info["primitives"].get<int>());
+  console.Print("  mesh     %d vertices, %d triangles, %d primitives",
+                info["draw_vertices"].get<int>(), info["triangles"].get<int>(),
+                info["primitives"].get<int>());
   console.Print("  shapes   %zu: %s", info["shapes"].size(), Joined(info["shapes"]).c_str());
   if (info["handles"].empty()) {
     console.Print("  handles  none marked; bake with --handles FILE or --auto-handles N");
@@ -168,7 +170,8 @@ ExitCode InfoOfBaked(const GltfFile& file, int num_rigs, const Console& console)
     if (!rig.ok()) return console.Fail(rig.status());
     infos.push_back(BakedJson(file, **rig, i));
   }
-  for (const Json& info : infos) PrintBaked(info, console);
+  for (const Json& info : infos)
+    PrintBaked(info, console);
   console.Emit(num_rigs == 1 ? infos[0] : Json{{"baked", true}, {"rigs", infos}});
   return kSuccess;
 }
@@ -186,9 +189,12 @@ ExitCode RunInfo(const InfoOptions& options, const Console& console) {
 Command AddInfoCommand(CLI::App* parent) {
   CLI::App* app = parent->add_subcommand("info", "Say what a source or baked glTF holds");
   auto options = std::make_shared<InfoOptions>();
-  app->add_option("FILE", options->file, "A .glb or .gltf, baked or not")->required();
+  app->add_option("FILE", options->file, "A .glb or .gltf, baked or not")
+      ->required()
+      ->option_text(" ");
   app->add_option("--node", options->node,
-                  "The mesh's node, by name or number, where a source has several");
+                  "The mesh's node, by name or number, where a source has several")
+      ->option_text("NODE");
   app->footer(kFooter);
   return {app, [options](const Console& console) { return RunInfo(*options, console); }};
 }

@@ -5,6 +5,7 @@
 #include "cli/output.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
+#include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
 
 #include <chrono>
@@ -67,7 +68,8 @@ struct Solved {
 };
 
 Result<Solved> SolveFrames(const PoseRun& run, const PoseRunOptions& options,
-                           const SourceFaces& faces, OutputFolder* output, ProgressBar* progress) {
+                           const bake::SourceFaces& faces, OutputFolder* output,
+                           ProgressBar* progress) {
   Result<PoseState> state = PoseState::Create(run.rig);
   if (!state.ok()) return state.status();
   Result<CpuSkinner> skinner = CpuSkinner::Create(run.rig->mesh(), run.rig->tables().space);
@@ -90,14 +92,25 @@ Result<Solved> SolveFrames(const PoseRun& run, const PoseRunOptions& options,
   return solved;
 }
 
+Result<bake::SourceFaces> FacesOfRig(const GltfFile& file) {
+  const int node = FindRigNode(file, 0);
+  if (node < 0)
+    return Error(StatusCode::kMalformed, "%s: no node has the rig", file.name().c_str());
+  return bake::ReadSourceFaces(file,
+                               file.json()["nodes"][static_cast<size_t>(node)]["mesh"].get<int>());
+}
+
 ExitCode RunSolve(const PoseRunOptions& options, const Console& console) {
-  Result<PoseRun> run = LoadPoseRun(options);
+  const Result<GltfFile> file = GltfFile::Open(options.baked);
+  if (!file.ok()) return console.Fail(file.status());
+  const Result<PoseRun> run = LoadPoseRun(*file, options);
   if (!run.ok()) return console.Fail(run.status());
+  const Result<bake::SourceFaces> faces = FacesOfRig(*file);
+  if (!faces.ok()) return console.Fail(faces.status());
   Result<OutputFolder> output = OutputFolder::Create(options.output);
   if (!output.ok()) return console.Fail(output.status());
   ProgressBar progress(console);
-  const SourceFaces faces = TrianglesOfSource(run->rig->mesh());
-  const Result<Solved> solved = SolveFrames(*run, options, faces, &*output, &progress);
+  const Result<Solved> solved = SolveFrames(*run, options, *faces, &*output, &progress);
   progress.Clear();
   if (!solved.ok()) return console.Fail(solved.status());
   const Json report = {{"frames", solved->frames}};

@@ -35,6 +35,18 @@ failure {"error":{"code","message"}}.
 Exit codes: 0 done, 1 the input does not allow it, 2 wrong usage, 3 no Vulkan device or screen,
 4 an error of Limber's own, 130 interrupted. After any but 0 no output is left half-written.)";
 
+std::vector<Command> AddCommands(CLI::App* app) {
+  std::vector<Command> commands = {AddPackCommand(app), AddBakeCommand(app), AddInfoCommand(app),
+                                   AddSolveCommand(app)};
+#ifdef LIMBER_WITH_VIEWER
+  commands.push_back(AddRenderCommand(app));
+#endif
+#ifdef LIMBER_WITH_PLAY
+  commands.push_back(AddPlayCommand(app));
+#endif
+  return commands;
+}
+
 // The deepest subcommand that was named, for the hint where to read on.
 std::string HelpCommand(const std::vector<Command>& commands) {
   for (const Command& command : commands) {
@@ -69,9 +81,7 @@ int Main(int argc, char** argv) {
                              [](const char* word) { return std::strcmp(word, "--json") == 0; });
   app.add_flag("--json", console.json, "Machine-readable result on stdout");
   app.add_flag("-q,--quiet", console.quiet, "Nothing but errors");
-  const std::vector<Command> commands = {AddPackCommand(&app),   AddBakeCommand(&app),
-                                         AddInfoCommand(&app),   AddSolveCommand(&app),
-                                         AddRenderCommand(&app), AddPlayCommand(&app)};
+  const std::vector<Command> commands = AddCommands(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,22 +1,14 @@
 #include "cli/obj_text.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <vector>
 
 namespace limber::cli {
 
-SourceFaces TrianglesOfSource(const SkinMesh& mesh) {
-  SourceFaces faces;
-  faces.sizes.assign(mesh.num_triangles(), 3);
-  faces.corners.reserve(mesh.triangles.size());
-  for (const uint32_t draw_vertex : mesh.triangles) {
-    faces.corners.push_back(mesh.source_vertex[draw_vertex]);
-  }
-  return faces;
-}
-
-std::string ObjText(const SkinMesh& mesh, const SourceFaces& faces,
+std::string ObjText(const SkinMesh& mesh, const bake::SourceFaces& faces,
                     std::span<const Vec3> solve_positions) {
-  std::vector<Vec3> positions(mesh.num_source_vertices);
+  std::vector<Vec3> positions(std::max(mesh.num_source_vertices, faces.num_vertices));
   for (uint32_t d = 0; d < mesh.num_draw_vertices; ++d) {
     positions[mesh.source_vertex[d]] = solve_positions[mesh.solve_vertex[d]];
   }

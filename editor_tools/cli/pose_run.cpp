@@ -40,16 +40,21 @@ Result<int> ResolveHandle(const Rig& rig, const std::string& name, const std::st
 }  // namespace
 
 void PoseRunOptions::AddTo(CLI::App* app) {
-  app->add_option("BAKED", baked, "A glTF written by limber bake")->required();
-  app->add_option("--targets", targets, "The frames, as JSON (see below)")->required();
-  app->add_option("-o,--output", output, "Folder for the results; made if absent")->required();
+  app->add_option("BAKED", baked, "A glTF written by limber bake")->required()->option_text(" ");
+  app->add_option("--targets", targets, "The frames, as JSON (see below)")
+      ->required()
+      ->option_text("FILE (required)");
+  app->add_option("-o,--output", output, "Folder for the results; made if absent")
+      ->required()
+      ->option_text("DIR (required)");
   app->add_option("--iterations", iterations,
                   "Alternations of the solver a frame (default 1; with --settle at most 200)")
-      ->check(CLI::Range(1, 100000));
+      ->check(CLI::Range(1, 100000))
+      ->option_text("N");
   app->add_option("--lambda", lambda,
-                  "Weight of nearness to the examples (eq. 10); 0: their span only")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0f, 1e6f));
+                  "Weight of nearness to the examples (default 0.5); 0: their span only")
+      ->check(CLI::Range(0.0f, 1e6f))
+      ->option_text("X");
   app->add_flag("--no-rotations", no_rotations,
                 "Blend without local rotations: one convex problem, for faces and the like");
   app->add_flag("--settle", settle, "Go on in each frame until nothing moves any more");
@@ -64,8 +69,8 @@ PoseOptions PoseRunOptions::ForSolver() const {
   return pose;
 }
 
-Result<PoseRun> LoadPoseRun(const PoseRunOptions& options) {
-  auto rig = LoadRig(options.baked);
+Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options) {
+  auto rig = LoadRig(baked);
   if (!rig.ok()) return rig.status();
   const auto frames = bake::ReadFramesFile(options.targets);
   if (!frames.ok()) return frames.status();

@@ -4,6 +4,7 @@
 
 #include "core/status.h"
 #include "core/vec3.h"
+#include "load/gltf_file.h"
 #include "rig/rig.h"
 #include "solve/pose_solver.h"
 
@@ -39,7 +40,7 @@ struct PoseRun {
 
 // Errors as of the loader and of the frames file; kInvalidArgument for a name that no handle has
 // (with the names there are) and for a free handle.
-Result<PoseRun> LoadPoseRun(const PoseRunOptions& options);
+Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options);
 
 // Sets the targets of one frame; handles it leaves out keep theirs.
 Status ApplyFrame(const PoseFrame& frame, PoseState* state);

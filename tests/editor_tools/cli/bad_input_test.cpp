@@ -174,7 +174,7 @@ TEST_F(BadInput, HandlesThatClash_AreNamed) {
          {"tail", "knee", "vertex"});
   refuse(R"({"handles":[{"name":"tail","vertex":3},{"name":"tail","vertex":9}]})", {"tail"});
   refuse(R"({"handles":[{"name":"tail","vertex":3},{"name":"far","vertex":20}]})", {"far", "20"});
-  refuse(R"({"handles":[{"name":"tail","vertex":3,"free":true}]})", {"pinned"});
+  refuse(R"({"handles":[{"name":"tail","vertex":3,"free":true}]})", {"bar.glb", "pin"});
   refuse(R"({"handles":[{"name":"tail"}]})", {"clash.json", "tail"});
   refuse(R"({"handles":[{"name":"tail","vertex":-1}]})", {"clash.json"});
   refuse(R"({"handles":)", {"clash.json"});

@@ -84,8 +84,10 @@ TEST(ObjText, SeamVertices_CollapseToTheSourceOrder) {
   mesh.solve_vertex = {0, 1, 2, 1, 3};
   mesh.triangles = {0, 1, 2, 3, 4, 2};
   const std::vector<Vec3> solve = {{30, 0, 0}, {20, 0, 0}, {0.1f, 0, 0}, {10, 0, 0}};
-  EXPECT_EQ(ObjText(mesh, TrianglesOfSource(mesh), solve),
-            "v 0.100000001 0 0\nv 10 0 0\nv 20 0 0\nv 30 0 0\nf 4 3 1\nf 3 2 1\n");
+  // The source knew them as one quad, and had a fifth vertex that nothing uses.
+  const bake::SourceFaces faces = {5, {4}, {3, 2, 1, 0}};
+  EXPECT_EQ(ObjText(mesh, faces, solve),
+            "v 0.100000001 0 0\nv 10 0 0\nv 20 0 0\nv 30 0 0\nv 0 0 0\nf 4 3 2 1\n");
 }
 
 }  // namespace
