@@ -1,0 +1,75 @@
+// The Khronos validator over what Limber writes: no error, no warning (tests/validate_gltf.mjs).
+#include "bake/write_baked.h"
+#include "editor_tools/write/synthetic_bake.h"
+#include "import/import_gltf.h"
+#include "import/pack_obj.h"
+#include "support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace limber::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNotInstalled = 2, kNoSuchCommand = 127;
+
+// Exit code of the validator.
+int Validate(const fs::path& file) {
+  const std::string command =
+      "node '" LIMBER_SOURCE_DIR "/tests/validate_gltf.mjs' '" + file.string() + "'";
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// A file that the validator finds fault with, to see whether it is there and says so.
+class Validator : public testing::Test {
+ protected:
+  void SetUp() override {
+    const fs::path bad = folder_.path() / "bad.gltf";
+    std::ofstream(bad) << R"({"asset": {"version": "2.0"}, "scene": 3})";
+    const int code = Validate(bad);
+    if (code == kNotInstalled || code == kNoSuchCommand) {
+      GTEST_SKIP() << "no Khronos validator here: npm install --prefix tests";
+    }
+    ASSERT_EQ(code, 1) << "the validator must refuse a bad file";
+  }
+
+  void BakeAndValidate(const fs::path& source, const fs::path& out) {
+    const auto raw = bake::ImportGltf(source);
+    ASSERT_TRUE(raw.ok()) << raw.status().message();
+    const Status status = bake::WriteBaked(source, *raw, MakeSyntheticBake(*raw, {}), out);
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(Validate(out), 0) << out;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Validator, BakedGlbAndGltf_AreClean) {
+  const fs::path source = WritePlainSource(folder_.path());
+  EXPECT_EQ(Validate(source), 0);
+  BakeAndValidate(source, folder_.path() / "out.glb");
+  BakeAndValidate(source, folder_.path() / "out.gltf");
+  BakeAndValidate(folder_.path() / "out.glb", folder_.path() / "again.glb");
+}
+
+TEST_F(Validator, PackedObj_IsCleanBeforeAndAfterABake) {
+  const fs::path base = folder_.path() / "base.obj", shape = folder_.path() / "bent.obj";
+  const std::string faces = "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/1\nf 4/2 3/3 5/1\n";
+  std::ofstream(base) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 2 0\nv 7 7 7\n" << faces;
+  std::ofstream(shape) << "v 0 0 0\nv 1 0 0.5\nv 1 1 0.5\nv 0 1 0\nv 0 2 1e-30\nv 7 7 7\n" << faces;
+  const fs::path packed = folder_.path() / "packed.glb";
+  const std::vector<fs::path> shapes = {shape};
+  const Status status = bake::PackObj(base, shapes, {}, packed);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Validate(packed), 0);
+  BakeAndValidate(packed, folder_.path() / "baked.glb");
+}
+
+}  // namespace
+}  // namespace limber::test
