@@ -81,7 +81,7 @@ run_character() {
   "$limber" bake "$source" -o "$output/${name}_baked.glb" "${handles[@]}"
   rm -rf "${output:?}/$name"
   "$limber" render "$output/${name}_baked.glb" --targets "content/characters/${name}_drag.json" \
-    -o "$output/$name" --size "$size"
+    -o "$output/$name" --size "$size" --dots
   wrote+=("$output/$name/frame_0000.png ...")
   if have montage && have convert; then
     contact_sheet "$output/$name" "$output/${name}_sheet.png"

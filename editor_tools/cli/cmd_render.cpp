@@ -25,13 +25,13 @@ is none). The frames file is that of `limber solve`.
 
 Examples:
   limber render horse_baked.glb --targets gallop.json -o frames/
-  limber render horse_baked.glb --targets gallop.json -o frames/ --size 1920x1080 --dots --yaw 40
+  limber render horse_baked.glb --targets gallop.json -o frames/ --size 1920x1080 --dots --yaw 40 --zoom 1.5
 )";
 
 struct RenderCommandOptions {
   PoseRunOptions run;
   std::string size = "1280x720";
-  float yaw_deg = 0, pitch_deg = 0;
+  float yaw_deg = 0, pitch_deg = 0, zoom = 1;
   bool dots = false, validate = false;
   viewer::HeadlessOptions headless;
 };
@@ -64,6 +64,7 @@ Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& o
   viewer::OrbitCamera camera = renderer->DefaultCamera();
   constexpr float kRadians = std::numbers::pi_v<float> / 180;
   camera.Orbit(options.yaw_deg * kRadians, options.pitch_deg * kRadians);
+  camera.Zoom(1 / options.zoom);
   StageSums sums;
   viewer::Image image;
   for (size_t i = 0; i < run.frames.size(); ++i) {
@@ -157,6 +158,9 @@ Command AddRenderCommand(CLI::App* parent) {
       ->option_text("DEG");
   app->add_option("--pitch", options->pitch_deg, "Raise the camera, in degrees")
       ->option_text("DEG");
+  app->add_option("--zoom", options->zoom, "Enlarge the character by this factor")
+      ->check(CLI::Range(0.01f, 100.0f))
+      ->option_text("X");
   app->add_flag("--validate", options->validate,
                 "Run with the Vulkan validation layers; any message is a failure");
   app->footer(kFooter);
