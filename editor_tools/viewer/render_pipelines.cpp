@@ -78,14 +78,12 @@ class ShaderModule {
                         "vkCreateShaderModule");
   }
 
-  VkPipelineShaderStageCreateInfo Stage(VkShaderStageFlagBits stage,
-                                        const VkSpecializationInfo* constants) const {
+  VkPipelineShaderStageCreateInfo Stage(VkShaderStageFlagBits stage) const {
     auto info = VulkanInfo<VkPipelineShaderStageCreateInfo>(
         VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
     info.stage = stage;
     info.module = module_;
     info.pName = "main";
-    info.pSpecializationInfo = constants;
     return info;
   }
 
@@ -220,12 +218,8 @@ Status RenderPipelines::Build(const Recipe& recipe, VkPipeline* pipeline) {
   LIMBER_RETURN_IF_ERROR(vertex.Create(recipe.vertex));
   const bool has_fragment = !recipe.fragment.empty();
   if (has_fragment) LIMBER_RETURN_IF_ERROR(fragment.Create(recipe.fragment));
-  const uint32_t encode = 1;
-  const VkSpecializationMapEntry entry{LIMBER_VIEW_CONSTANT_ENCODE, 0, sizeof(encode)};
-  const VkSpecializationInfo constants{1, &entry, sizeof(encode), &encode};
-  const VkPipelineShaderStageCreateInfo stages[2] = {
-      vertex.Stage(VK_SHADER_STAGE_VERTEX_BIT, nullptr),
-      fragment.Stage(VK_SHADER_STAGE_FRAGMENT_BIT, &constants)};
+  const VkPipelineShaderStageCreateInfo stages[2] = {vertex.Stage(VK_SHADER_STAGE_VERTEX_BIT),
+                                                     fragment.Stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
 
   const VertexLayout vertices = MakeVertexLayout(recipe.vertices);
   auto input = VulkanInfo<VkPipelineVertexInputStateCreateInfo>(

@@ -146,10 +146,15 @@ void StoreInFrame(const SurfaceFrame& frame, Vec3 normal, const float* tangent,
   if (tangent == nullptr) return;
   vertex->handedness = tangent[3] < 0 ? -1.0f : 1.0f;
   if (!frame.valid) return;
+  // In the plane that ApplyFrame projects to (that of the authored normal, not of the surface), so
+  // that at rest the authored tangent comes back exactly.
+  const Vec3 n = authored ? normal : frame.n;
+  const Vec3 tilted = frame.t - Dot(n, frame.t) * n;
+  const Vec3 u = (1 / std::sqrt(Dot(tilted, tilted))) * tilted, w = Cross(n, u);
   const Vec3 wanted{tangent[0], tangent[1], tangent[2]};
-  const float a = Dot(frame.first, frame.t), b = Dot(frame.second, frame.t);
-  const float c = Dot(frame.first, frame.b), d = Dot(frame.second, frame.b);
-  const float x = Dot(wanted, frame.t), y = Dot(wanted, frame.b);
+  const float a = Dot(frame.first, u), b = Dot(frame.second, u);
+  const float c = Dot(frame.first, w), d = Dot(frame.second, w);
+  const float x = Dot(wanted, u), y = Dot(wanted, w);
   const float det = a * d - b * c;
   const float first = (d * x - b * y) / det, second = (a * y - c * x) / det;
   if (!std::isfinite(first) || !std::isfinite(second)) return;

@@ -9,9 +9,6 @@
 #define LIMBER_VIEW_BASE_COLOR 0
 #define LIMBER_VIEW_NORMAL_MAP 1
 
-// Specialisation constant: 1 where the target does not encode sRGB by itself.
-#define LIMBER_VIEW_CONSTANT_ENCODE 0
-
 // Bits of DrawPush::flags.
 #define LIMBER_VIEW_UNLIT 1u
 #define LIMBER_VIEW_MASKED 2u

@@ -12,8 +12,9 @@ void main() {
   const float away = length(position.xz - frame.ground.xz) / frame.ground.w;
   const float fade = 1.0 - smoothstep(0.45, 1.0, away);
   if (fade <= 0.0 || frame.eye.y < frame.ground.y) discard;
-  const float wide = LightThrough(position, 5.0 * frame.key.w, 0.002, gl_FragCoord.xy);
-  const float close = LightThrough(position, 1.5 * frame.key.w, 0.002, gl_FragCoord.yx);
+  const float wide = LightThrough(position, 5.0 * frame.key.w, 0.002, 16);
+  if (wide == 1.0) discard;
+  const float close = LightThrough(position, 1.5 * frame.key.w, 0.002, 12);
   const float shadow = 1.0 - mix(wide, close, 0.4);
   color = vec4(ToTarget(vec3(0.10, 0.085, 0.08), gl_FragCoord.xy), 0.55 * shadow * fade);
 }

@@ -1,20 +1,30 @@
 // Soft lookup in the key light's depth map: the part of the light that arrives, 0..1.
 layout(set = 0, binding = LIMBER_VIEW_SHADOW_MAP) uniform sampler2DShadow shadow_map;
 
-// Points of a Vogel spiral: even cover of a disc. Turned by a per-pixel angle, so that the rings of
-// a few samples blur into a smooth edge.
-float LightThrough(vec3 mesh_position, float softness, float bias, vec2 pixel) {
+// `count` points of a Vogel spiral (each a golden angle further, radius by the square root) cover a
+// disc evenly; a start angle by pixel blurs the rings of a few samples into a smooth edge. Where
+// the outermost four and the centre agree, the rest is taken to agree too.
+float LightThrough(vec3 mesh_position, float softness, float bias, int count) {
   const vec4 p = frame.shadow_from_mesh * vec4(mesh_position, 1);
   if (any(lessThan(p.xyz, vec3(0))) || any(greaterThan(p.xyz, vec3(1)))) return 1.0;
-  const int kSamples = 16;
-  const float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(pixel),
-                                                             vec2(0.06711056, 0.00583715))));
+  const float depth = p.z - bias;
+  const float start = 6.2831853 * PixelNoise(gl_FragCoord.xy);
+  vec2 along = vec2(cos(start), sin(start));
+
+  const vec2 rim = along * softness;
+  float probe = textureLod(shadow_map, vec3(p.xy, depth), 0.0);
+  probe += textureLod(shadow_map, vec3(p.xy + rim, depth), 0.0);
+  probe += textureLod(shadow_map, vec3(p.xy - rim, depth), 0.0);
+  probe += textureLod(shadow_map, vec3(p.xy + vec2(rim.y, -rim.x), depth), 0.0);
+  probe += textureLod(shadow_map, vec3(p.xy + vec2(-rim.y, rim.x), depth), 0.0);
+  if (probe == 0.0 || probe == 5.0) return probe / 5.0;
+
+  const mat2 kGoldenTurn = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
   float light = 0.0;
-  for (int i = 0; i < kSamples; ++i) {
-    const float radius = softness * sqrt((float(i) + 0.5) / float(kSamples));
-    const float angle = turn + 2.3999632 * float(i);
-    const vec2 offset = radius * vec2(cos(angle), sin(angle));
-    light += textureLod(shadow_map, vec3(p.xy + offset, p.z - bias), 0.0);
+  for (int i = 0; i < count; ++i) {
+    const float radius = softness * sqrt((float(i) + 0.5) / float(count));
+    light += textureLod(shadow_map, vec3(p.xy + radius * along, depth), 0.0);
+    along = kGoldenTurn * along;
   }
-  return light / float(kSamples);
+  return light / float(count);
 }
