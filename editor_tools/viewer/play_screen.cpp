@@ -76,10 +76,7 @@ struct PlayScreen::Callbacks {
     if (!known) return;
     PlayScreen* screen = Of(window);
     if (action != GLFW_PRESS) return screen->controls_->ButtonReleased(*known);
-    // A press may come without a motion before it (a touch screen, a window under the pointer).
-    double x = 0, y = 0;
-    glfwGetCursorPos(window, &x, &y);
-    Cursor(window, x, y);
+    // At the last position that an event told: the pointer itself may be further on by now.
     Note(screen, screen->controls_->ButtonPressed(*known, (mods & GLFW_MOD_ALT) != 0,
                                                   (mods & GLFW_MOD_SHIFT) != 0));
   }

@@ -1,8 +1,7 @@
 // The player on a character made in code, as a program: what play_window_test drives.
 //   play_host cylinder|square [--frames N] [--screenshot FILE]
-#include "viewer/play_window.h"
-
 #include "play_rigs.h"
+#include "viewer/play_window.h"
 
 #include <cstdio>
 #include <cstdlib>
