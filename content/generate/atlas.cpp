@@ -18,8 +18,9 @@ constexpr int kMargin = 4;  // pixels around a chart
 struct Chart {
   int axis = 0;
   std::vector<size_t> triangles;
-  Vector2d low, size;      // in units of the surface, scaled
-  Eigen::Vector2i corner;  // in pixels, once packed
+  // In units of the surface, scaled.
+  Vector2d low = Vector2d::Zero(), size = Vector2d::Zero();
+  Eigen::Vector2i corner = Eigen::Vector2i::Zero();  // in pixels, once packed
 };
 
 // The three triangles across the edges of each triangle of a closed surface.
@@ -116,29 +117,81 @@ std::vector<Chart> CutCharts(const Surface& surface,
   return charts;
 }
 
-// Shelves, tallest chart first. False where the charts do not fit at this density.
+// Largest chart first, each where it comes to lie highest against those before it. False where the
+// charts do not fit at this density.
 bool Pack(double pixels_per_unit, int width, int height, std::vector<Chart>* charts) {
   std::vector<size_t> order(charts->size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return (*charts)[a].size.y() > (*charts)[b].size.y();
   });
-  int x = 0, y = 0, shelf = 0;
+  std::vector<int> filled(width, 0);  // down to here, per column of pixels
   for (size_t i : order) {
     Chart& chart = (*charts)[i];
     const Eigen::Vector2i box =
         (chart.size * pixels_per_unit).array().ceil().cast<int>() + 2 * kMargin;
-    if (x + box.x() > width) {
-      x = 0;
-      y += shelf;
-      shelf = 0;
+    int best_x = -1, best_y = height;
+    for (int x = 0; x + box.x() <= width; ++x) {
+      const int y = *std::max_element(filled.begin() + x, filled.begin() + x + box.x());
+      if (y < best_y) {
+        best_x = x;
+        best_y = y;
+      }
     }
-    shelf = std::max(shelf, box.y());
-    if (x + box.x() > width || y + box.y() > height) return false;
-    chart.corner = {x, y};
-    x += box.x();
+    if (best_x < 0 || best_y + box.y() > height) return false;
+    chart.corner = {best_x, best_y};
+    std::fill_n(filled.begin() + best_x, box.x(), best_y + box.y());
   }
   return true;
+}
+
+// How far `at` is outside the triangle of these corners, in pixels; negative inside. The winding
+// does not matter.
+double OutsideTriangle(const std::array<Vector2d, 3>& corner, const Vector2d& at) {
+  const auto turn = [](const Vector2d& a, const Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  const double winding = turn(corner[1] - corner[0], corner[2] - corner[0]) > 0 ? 1 : -1;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vector2d along = (corner[(k + 1) % 3] - corner[k]).normalized();
+    most = std::max(most, -winding * turn(along, at - corner[k]));
+  }
+  return most;
+}
+
+std::array<Vector2d, 3> Corners(const Atlas& atlas, size_t first_corner) {
+  std::array<Vector2d, 3> corner;
+  for (int k = 0; k < 3; ++k)
+    corner[k] = atlas.pixels[atlas.triangles[first_corner + k]];
+  return corner;
+}
+
+// For each pixel the first corner of the triangle it lies in, or of the one it is least outside
+// of; -1 far from all.
+std::vector<int64_t> OwnTriangles(const Atlas& atlas, const Image& image) {
+  const size_t count = static_cast<size_t>(image.width) * image.height;
+  std::vector<double> distance(count, kMargin - 1.0);
+  std::vector<int64_t> owner(count, -1);
+  for (size_t t = 0; t < atlas.triangles.size(); t += 3) {
+    const std::array<Vector2d, 3> corner = Corners(atlas, t);
+    const Vector2d low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]);
+    const Vector2d high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]);
+    const int x0 = std::max(0, static_cast<int>(low.x()) - kMargin);
+    const int y0 = std::max(0, static_cast<int>(low.y()) - kMargin);
+    const int x1 = std::min(image.width, static_cast<int>(high.x()) + kMargin + 1);
+    const int y1 = std::min(image.height, static_cast<int>(high.y()) + kMargin + 1);
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        const size_t pixel = static_cast<size_t>(y) * image.width + x;
+        const double here = OutsideTriangle(corner, {x + 0.5, y + 0.5});
+        if (here >= distance[pixel]) continue;
+        distance[pixel] = here;
+        owner[pixel] = static_cast<int64_t>(t);
+      }
+    }
+  }
+  return owner;
 }
 
 }  // namespace
@@ -174,69 +227,23 @@ Atlas MakeAtlas(const Surface& surface, const std::function<int(const Vector3d&)
 
 void PaintAtlas(const Surface& surface, const Atlas& atlas,
                 const std::function<Colour(const Vector3d&)>& colour, Image* image) {
-  // For each pixel the triangle it lies in, or the one it is least outside of.
-  std::vector<std::pair<double, int64_t>> owner(static_cast<size_t>(image->width) * image->height,
-                                                {kMargin - 1.0, -1});
-  const auto outside = [&](size_t t, const Vector2d& at) {
-    double most = -std::numeric_limits<double>::infinity();
+  const std::vector<int64_t> owner = OwnTriangles(atlas, *image);
+  for (size_t pixel = 0; pixel < owner.size(); ++pixel) {
+    if (owner[pixel] < 0) continue;
+    Eigen::Matrix3d place, corners;
     for (int k = 0; k < 3; ++k) {
-      const Vector2d& a = atlas.pixels[atlas.triangles[t + k]];
-      const Vector2d along = (atlas.pixels[atlas.triangles[t + (k + 1) % 3]] - a).normalized();
-      most = std::max(most, (at - a).x() * along.y() - (at - a).y() * along.x());
+      const uint32_t v = atlas.triangles[owner[pixel] + k];
+      place.col(k) << atlas.pixels[v], 1;
+      corners.col(k) = surface.positions[atlas.surface_vertex[v]];
     }
-    return most;
-  };
-  // Projected as seen from outside with y downwards, triangles run clockwise: flip the sign.
-  const auto distance = [&](size_t t, const Vector2d& at) {
-    const Vector2d &a = atlas.pixels[atlas.triangles[t]], &b = atlas.pixels[atlas.triangles[t + 1]],
-                   &c = atlas.pixels[atlas.triangles[t + 2]];
-    const double turn = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-    if (turn > 0) return outside(t, at);
-    double most = -std::numeric_limits<double>::infinity();
-    const Vector2d* corner[3] = {&a, &b, &c};
-    for (int k = 0; k < 3; ++k) {
-      const Vector2d along = (*corner[(k + 1) % 3] - *corner[k]).normalized();
-      const Vector2d off = at - *corner[k];
-      most = std::max(most, off.y() * along.x() - off.x() * along.y());
+    const Eigen::Matrix3d to_surface = corners * place.inverse();
+    const auto x = static_cast<int>(pixel % image->width);
+    const auto y = static_cast<int>(pixel / image->width);
+    Colour sum = Colour::Zero();
+    for (int i = 0; i < 4; ++i) {
+      sum += colour(to_surface * Vector3d(x + 0.25 + 0.5 * (i & 1), y + 0.25 + 0.5 * (i >> 1), 1));
     }
-    return most;
-  };
-  for (size_t t = 0; t < atlas.triangles.size(); t += 3) {
-    Vector2d low = atlas.pixels[atlas.triangles[t]], high = low;
-    for (int k = 1; k < 3; ++k) {
-      low = low.cwiseMin(atlas.pixels[atlas.triangles[t + k]]);
-      high = high.cwiseMax(atlas.pixels[atlas.triangles[t + k]]);
-    }
-    const int x0 = std::max(0, static_cast<int>(low.x()) - kMargin);
-    const int y0 = std::max(0, static_cast<int>(low.y()) - kMargin);
-    const int x1 = std::min(image->width, static_cast<int>(high.x()) + kMargin + 1);
-    const int y1 = std::min(image->height, static_cast<int>(high.y()) + kMargin + 1);
-    for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) {
-        auto& best = owner[static_cast<size_t>(y) * image->width + x];
-        const double here = distance(t, {x + 0.5, y + 0.5});
-        if (here < best.first) best = {here, static_cast<int64_t>(t)};
-      }
-    }
-  }
-  for (int y = 0; y < image->height; ++y) {
-    for (int x = 0; x < image->width; ++x) {
-      const int64_t t = owner[static_cast<size_t>(y) * image->width + x].second;
-      if (t < 0) continue;
-      Eigen::Matrix<double, 3, 3> place, corners;
-      for (int k = 0; k < 3; ++k) {
-        const uint32_t v = atlas.triangles[t + k];
-        place.col(k) << atlas.pixels[v], 1;
-        corners.col(k) = surface.positions[atlas.surface_vertex[v]];
-      }
-      const Eigen::Matrix3d to_surface = corners * place.inverse();
-      Colour sum = Colour::Zero();
-      for (int i = 0; i < 4; ++i) {
-        sum +=
-            colour(to_surface * Vector3d(x + 0.25 + 0.5 * (i & 1), y + 0.25 + 0.5 * (i >> 1), 1));
-      }
-      SetPixel(sum / 4, x, y, image);
-    }
+    SetPixel(sum / 4, x, y, image);
   }
 }
 

@@ -11,6 +11,7 @@ namespace limber::content {
 namespace {
 
 constexpr int kNumSegments = 64;
+constexpr double kThickest = 0.35;  // no limb's radius is larger
 
 }  // namespace
 
@@ -30,6 +31,10 @@ Curve::Curve(std::vector<Vector3d> points) : points_(std::move(points)) {
     tangent = next;
     frames_[i] << across, tangent.cross(across), tangent;
   }
+  for (const Vector3d& p : points_)
+    middle_ += p / double(count);
+  for (const Vector3d& p : points_)
+    reach_ = std::max(reach_, (p - middle_).norm());
 }
 
 Curve Curve::Bezier(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
@@ -92,14 +97,17 @@ double Curve::Length() const {
 }
 
 double Limb::Distance(const Vector3d& p) const {
+  const double away = spine.Beyond(p) - kThickest;
+  if (away > 0.4) return away;
   const Curve::Foot foot = spine.Nearest(p);
   return foot.distance - radius(foot.u);
 }
 
 double Limb::Share(const Vector3d& p, double full) const {
+  if (spine.Beyond(p) > far * (kThickest + margin)) return 0;
   const Curve::Foot foot = spine.Nearest(p);
   const double close = 1 - SmoothStep(near, far, foot.distance / (radius(foot.u) + margin));
-  return close * SmoothStep(0.05, full, foot.u);
+  return close * SmoothStep(0.35 * full, full, foot.u);
 }
 
 Vector3d MoveWithLimb(const Limb& limb, const Curve& posed,

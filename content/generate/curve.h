@@ -30,10 +30,15 @@ class Curve {
   Eigen::Matrix3d Frame(double u) const;
   double Length() const;
 
+  // A lower bound of the distance from the curve, quickly.
+  double Beyond(const Vector3d& p) const { return (p - middle_).norm() - reach_; }
+
  private:
   explicit Curve(std::vector<Vector3d> points);
   std::vector<Vector3d> points_;
   std::vector<Eigen::Matrix3d> frames_;
+  Vector3d middle_ = Vector3d::Zero();  // of a ball around all points, with radius reach_
+  double reach_ = 0;
 };
 
 // One limb: its spine at rest and its radius along it.
@@ -45,9 +50,10 @@ struct Limb {
   double near = 1.5, far = 2.4;
   double margin = 0;  // added to the radius for that
 
+  // Exact near the limb; a lower bound of at least 0.4 far from it.
   double Distance(const Vector3d& p) const;
-  // How far `p` belongs to the limb and not to the body: 0 on the body, 1 from u = `full` on,
-  // smooth between.
+  // How far `p` belongs to the limb and not to the body: 0 on the body and up to a
+  // third of u = `full`, 1 from there on, smooth between.
   double Share(const Vector3d& p, double full) const;
 };
 

@@ -4,6 +4,7 @@
 #include "generate/drag.h"
 #include "generate/dragonlet_parts.h"
 #include "generate/shaping.h"
+#include "generate/smooth_offsets.h"
 #include "generate/surface.h"
 
 #include <Eigen/LU>
@@ -15,6 +16,7 @@ namespace limber::content {
 namespace {
 
 constexpr int kPixels = 1024, kEyePixels = 224;
+constexpr int kSmoothing = 6;
 constexpr double kCell = 0.05;
 
 // An eye's picture is a disc: the middle looks ahead, the rim behind. The front half of the eye
@@ -99,6 +101,7 @@ void AddBody(const DragonletModel& model, const std::vector<DragonletPoser>& pos
     std::vector<Vector3d> posed;
     for (const Vector3d& p : surface.positions)
       posed.push_back(posers[s].Body(p));
+    SmoothOffsets(surface.triangles, surface.positions, kSmoothing, &posed);
     for (uint32_t v : atlas.surface_vertex)
       dragonlet->shapes[s].positions.push_back(posed[v]);
   }

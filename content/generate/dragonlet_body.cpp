@@ -23,12 +23,6 @@ double TaperedRod(const Vector3d& p, const Vector3d& a, const Vector3d& b, doubl
   return (p - a - t * along).norm() - Mix(radius_a, radius_b, t);
 }
 
-// The exact distance near the limb; a lower bound far from it, where nothing depends on it.
-double LimbDistance(const Limb& limb, const Vector3d& middle, double reach, const Vector3d& p) {
-  const double away = (p - middle).norm() - reach;
-  return away > 0.4 ? away : limb.Distance(p);
-}
-
 Limb MakeTail() {
   const auto turn = [](double u) {
     return Vector3d(0, -2.9 * SmoothStep(0.05, 0.4, u) * (1 - SmoothStep(0.55, 1, u)),
@@ -41,9 +35,13 @@ Limb MakeTail() {
 }
 
 Limb MakeArm() {
-  const auto turn = [](double) { return Vector3d(0, -0.5, -0.35); };
-  const auto radius = [](double u) { return 0.105 + 0.03 * SmoothStep(0.5, 1, u); };
-  return {Curve::Turning({0.3, 0.72, 0.1}, {1, -0.32, 0.3}, 0.46, turn), radius, 0.5};
+  const auto turn = [](double) { return Vector3d(0, -0.5, -0.45); };
+  const auto radius = [](double u) { return 0.1 + 0.035 * SmoothStep(0.45, 1, u); };
+  Limb arm{Curve::Turning({0.22, 0.78, 0.08}, {1, -0.1, 0.25}, 0.54, turn), radius, 0.7};
+  // The trunk is close below: it must not be dragged along when the arm goes up.
+  arm.near = 1.2;
+  arm.far = 2.0;
+  return arm;
 }
 
 Limb MakeEar() {
@@ -78,12 +76,12 @@ std::array<double, kNumDragonletParts> DragonletModel::PartDistances(const Vecto
   const double sole = Ellipsoid(q, {0.27, 0.12, 0.17}, {0.18, 0.14, 0.27});
   const double ankle = Ellipsoid(q, {0.27, 0.24, 0.04}, {0.18, 0.22, 0.2});
   set(DragonletPart::kFoot, SmoothMin(sole, ankle, 0.12));
-  set(DragonletPart::kArm, LimbDistance(arm_, {0.5, 0.6, 0.2}, 0.4, q));
+  set(DragonletPart::kArm, arm_.Distance(q));
   // Ears are flat: measured in a space that is stretched front to back.
   Vector3d flat = q;
   flat.z() = ear_.spine.Point(0.4).z() + (q.z() - ear_.spine.Point(0.4).z()) * 1.5;
-  set(DragonletPart::kEar, LimbDistance(ear_, {0.65, 1.55, -0.15}, 0.55, flat) / 1.25);
-  set(DragonletPart::kHorn, TaperedRod(q, {0.2, 1.66, 0.06}, {0.25, 1.93, -0.02}, 0.085, 0.045));
+  set(DragonletPart::kEar, ear_.Distance(flat) / 1.25);
+  set(DragonletPart::kHorn, TaperedRod(q, {0.2, 1.66, 0.06}, {0.25, 1.92, -0.02}, 0.09, 0.055));
   double ridge = 1e9;
   constexpr double kRidges[5][3] = {{1.77, -0.12, 0.085},
                                     {1.55, -0.42, 0.1},
@@ -94,7 +92,7 @@ std::array<double, kNumDragonletParts> DragonletModel::PartDistances(const Vecto
     ridge = std::min(ridge, Ellipsoid(p, {0, y, z}, {0.6 * radius, radius, radius}));
   }
   set(DragonletPart::kRidge, ridge);
-  set(DragonletPart::kTail, LimbDistance(tail_, {0.5, 0.4, -0.7}, 1.0, p));
+  set(DragonletPart::kTail, tail_.Distance(p));
   return d;
 }
 

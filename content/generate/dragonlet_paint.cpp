@@ -14,15 +14,15 @@ namespace {
 void PaintMouth(const Vector2d& at, Colour* skin) {
   const Vector2d q(std::abs(at.x()), at.y());
   // A "D" on its back: below a sagging line, inside an ellipse.
-  const double lip = 0.985 - 0.35 * (0.15 * 0.15 - at.x() * at.x());
-  const double mouth = std::max(EllipseDistance(at, {0, 0.995}, {0.15, 0.125}), at.y() - lip);
+  const double lip = 1.005 - 0.35 * (0.15 * 0.15 - at.x() * at.x());
+  const double mouth = std::max(EllipseDistance(at, {0, 1.015}, {0.15, 0.12}), at.y() - lip);
   Cover(Hex(0x17696F), Inside(mouth - 0.013, 0.012), skin);
   Cover(Hex(0x7A1F3D), Inside(mouth, 0.008), skin);
-  const double tongue = std::max(mouth + 0.006, EllipseDistance(at, {0, 0.885}, {0.085, 0.06}));
+  const double tongue = std::max(mouth + 0.006, EllipseDistance(at, {0, 0.91}, {0.085, 0.055}));
   Cover(Hex(0xFF7D8C), Inside(tongue, 0.012), skin);
-  const double fang = std::max(mouth + 0.002, EllipseDistance(q, {0.088, 0.978}, {0.02, 0.034}));
+  const double fang = std::max(mouth + 0.002, EllipseDistance(q, {0.088, 0.997}, {0.02, 0.034}));
   Cover(Hex(0xFFFFFF), Inside(fang, 0.008), skin);
-  Cover(Hex(0x17696F), Inside(EllipseDistance(q, {0.075, 1.125}, {0.02, 0.014}), 0.012), skin);
+  Cover(Hex(0x17696F), Inside(EllipseDistance(q, {0.075, 1.135}, {0.02, 0.014}), 0.012), skin);
 }
 
 void PaintFace(const DragonletModel& model, const Vector3d& p, Colour* skin) {
@@ -33,8 +33,8 @@ void PaintFace(const DragonletModel& model, const Vector3d& p, Colour* skin) {
   Cover(Hex(0xC9F5DA), 0.75 * Inside(EllipseDistance(q, {0, 1.0}, {0.27, 0.19}), 0.1), &face);
   Cover(Hex(0xFF8F86), 0.85 * Inside(EllipseDistance(q, {0.45, 1.05}, {0.11, 0.075}), 0.07), &face);
   PaintMouth(at, &face);
-  // Brows: short, lively, a little raised on the outside.
-  const double brow = TaperDistance(q, {0.2, 1.575}, {0.33, 1.6}, 0.02, 0.012);
+  // Brows: short arches high above the eyes.
+  const double brow = ArcDistance(q, {0.255, 1.44}, 0.17, 1.15, 1.95) - 0.013;
   Cover(Hex(0x1B7F86), Inside(brow, 0.012), &face);
   Cover(face, front, skin);
   // A dark rim where the eyes come out of the head, stronger above like lashes.
@@ -90,7 +90,7 @@ void PaintEar(const DragonletModel& model, const Vector3d& p, Colour* skin) {
   Colour lining = Hex(0xFFA69E);
   Cover(Hex(0xFF7F87), SmoothStep(0.5, 0.9, foot.u), &lining);
   Cover(lining, faces_front * Inside(inner, 0.02) * SmoothStep(0.42, 0.5, foot.u), skin);
-  Cover(Hex(0x1E9AA0), 0.5 * SmoothStep(0.86, 1.0, foot.u), skin);
+  Cover(Hex(0xFF8A5B), SmoothStep(0.8, 0.86, foot.u), skin);
 }
 
 // Three round nails on each foot.

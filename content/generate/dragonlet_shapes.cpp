@@ -56,9 +56,10 @@ SpaceWarp Balloon(const Vector3d& centre, const Vector3d& radii, double share) {
 }
 
 void Squash(DragonletPose* pose) {
+  pose->eye_give = 0.8;
   pose->warp = Swell(
       0.54, [](double y) { return 1.28 + 0.22 * (1 - SmoothStep(0, 1.3, y)); }, 1.1);
-  const LimbPose arm = {1.15, 1.05, Both(Arc(kZ, 0.8), Arc(kY, 0.3))};
+  const LimbPose arm = {1.2, 1.05, Both(Arc(kZ, 0.3), Arc(kY, -0.2))};
   pose->Arms(arm, arm);
   const LimbPose ear = {1.0, 1.1, Arc(kZ, -0.9)};
   pose->Ears(ear, ear);
@@ -66,8 +67,9 @@ void Squash(DragonletPose* pose) {
 }
 
 void Stretch(DragonletPose* pose) {
+  pose->eye_give = 0.6;
   pose->warp = Swell(
-      1.55, [](double y) { return 0.84 - 0.16 * Bump(y, 0.8, 0.4); }, 1.2);
+      1.55, [](double y) { return 0.9 - 0.2 * Bump(y, 0.75, 0.4); }, 1.2);
   const LimbPose arm = {1.35, 0.85, Arc(kZ, -1.0, 0.0, 0.8)};
   pose->Arms(arm, arm);
   const LimbPose ear = {1.2, 0.9, Arc(kZ, -1.5, 0.1, 0.9)};
@@ -77,7 +79,7 @@ void Stretch(DragonletPose* pose) {
 
 void Puff(DragonletPose* pose) {
   pose->warp = Then(Balloon({0, 0.85, 0}, {1.12, 1.1, 1.05}, 0.9), Shift({0, 0.32, 0}));
-  pose->eye_give = 0.25;
+  pose->eye_give = 0.75;
   pose->eye_size = 1.06;
   const LimbPose arm = {0.8, 1.0, Arc(kZ, 0.5)};
   pose->Arms(arm, arm);
@@ -89,7 +91,7 @@ void Puff(DragonletPose* pose) {
 void Curl(DragonletPose* pose) {
   pose->warp = Then(Swell(
                         0.94, [](double) { return 1.04; }, 1.2),
-                    BendAboutX(0.42, 0.2, 1.6));
+                    BendAboutX(0.28, 0.2, 1.6));
   const LimbPose arm = {1.0, 1.0, Both(Arc(kY, -1.3), Arc(kZ, 0.3))};
   pose->Arms(arm, arm);
   const LimbPose ear = {0.9, 1.0, Both(Arc(kZ, -1.2), Arc(kY, -0.6))};
@@ -117,7 +119,7 @@ void Lean(double side, DragonletPose* pose) {
 
 void Wave(DragonletPose* pose) {
   pose->warp = BendAboutZ(0.26, 0.1, 1.8);
-  pose->Arms({2.1, 1.3, Both(Arc(kZ, 2.0, 0.0, 0.75), Arc(kZ, -0.9, 0.6, 1.0))},
+  pose->Arms({1.75, 1.3, Both(Arc(kZ, 1.75, 0.1, 0.8), Arc(kZ, -0.8, 0.65, 1.0))},
              {1.1, 1.0, Arc(kZ, -0.5)});
   pose->Ears({1.05, 1.0, Arc(kZ, 1.0)}, {1.0, 1.0, Arc(kZ, -0.3)});
   pose->Tail({1.05, 1.0, Both(Arc(kY, 2.4, 0.1, 0.7), Arc(kZ, -2.2, 0.5, 1.0))});

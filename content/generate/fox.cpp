@@ -5,6 +5,7 @@
 #include "generate/planar_mesh.h"
 #include "generate/pose.h"
 #include "generate/shaping.h"
+#include "generate/smooth_offsets.h"
 #include "generate/space_warp.h"
 
 #include <algorithm>
@@ -16,15 +17,16 @@ namespace limber::content {
 namespace {
 
 constexpr int kPixels = 1024;
+constexpr int kSmoothing = 10;
 constexpr double kSpacing = 0.042;
 // The part of the plane that the picture shows, a square.
-constexpr double kLeft = -0.73, kBottom = -0.12, kSize = 2.3;
+constexpr double kLeft = -0.7, kBottom = -0.12, kSize = 2.3;
 
 struct FoxShape {
   const char* name;
   SpaceWarp warp;
-  double tail_turn, tail_length;  // radians over its length, times its length at rest
-  double arms_turn, arms_length;  // upwards
+  double tail_turn, tail_length;              // radians over its length, times its length at rest
+  double left_turn, right_turn, arms_length;  // upwards
 };
 
 // A limb turned by `turn` more than it turns at rest.
@@ -44,8 +46,8 @@ LimbPose Bent(const Limb& limb, double length, double turn) {
 Pose PoseFox(const FoxModel& fox, const FoxShape& shape) {
   Pose pose(shape.warp);
   pose.Add(fox.tail, Bent(fox.tail, shape.tail_length, shape.tail_turn));
-  pose.Add(fox.arm_left, Bent(fox.arm_left, shape.arms_length, -shape.arms_turn));
-  pose.Add(fox.arm_right, Bent(fox.arm_right, shape.arms_length, shape.arms_turn));
+  pose.Add(fox.arm_left, Bent(fox.arm_left, shape.arms_length, -shape.left_turn));
+  pose.Add(fox.arm_right, Bent(fox.arm_right, shape.arms_length, shape.right_turn));
   return pose;
 }
 
@@ -53,16 +55,17 @@ std::vector<FoxShape> FoxShapes() {
   const auto stretch = [](double y) { return 0.82 - 0.1 * Bump(y, 0.7, 0.4); };
   const auto squash = [](double y) { return 1.35 + 0.15 * Bump(y, 0.4, 0.5); };
   const auto slim = [](double y) { return 0.93 - 0.05 * Bump(y, 0.7, 0.4); };
-  return {
-      {"stretch", Swell(1.45, stretch, 1.5), -0.4, 1.15, -0.3, 1.2},
-      {"squash", Swell(0.58, squash, 1.2), -0.7, 1.0, 0.9, 1.1},
-      {"bend_left", Then(Swell(1.1, slim, 1.5), BendAboutZ(1.0, 0.1, 1.7)), -0.9, 1.1, 0.5, 1.2},
-      {"bend_right", Then(Swell(1.1, slim, 1.5), BendAboutZ(-0.8, 0.1, 1.7)), -1.5, 1, 0.5, 1.2},
-      {"curl",
-       Swell(
-           0.92, [](double) { return 1.05; }, 1.5),
-       2.4, 1.15, 1.6, 1.0},
-      {"jump", Then(Swell(1.2, slim, 1.5), Shift({0, 0.45, 0})), -1.3, 1.15, 1.7, 1.35}};
+  return {{"stretch", Swell(1.45, stretch, 1.5), -0.4, 1.15, -0.35, -0.35, 1.2},
+          {"squash", Swell(0.58, squash, 1.2), -0.5, 1.0, 0.5, 0.5, 1.15},
+          {"bend_left", Then(Swell(1.1, slim, 1.5), BendAboutZ(0.9, 0.05, 1.15)), -0.6, 1.1, 0.5,
+           0.4, 1.2},
+          {"bend_right", Then(Swell(1.1, slim, 1.5), BendAboutZ(-0.8, 0.05, 1.15)), -1.7, 1.05, 0.4,
+           1.7, 1.1},
+          {"curl",
+           Swell(
+               0.92, [](double) { return 1.05; }, 1.5),
+           2.6, 1.4, 1.1, -0.3, 0.95},
+          {"jump", Then(Swell(1.2, slim, 1.5), Shift({0, 0.45, 0})), -0.9, 1.2, 1.6, 1.6, 1.3}};
 }
 
 }  // namespace
@@ -85,6 +88,7 @@ Character MakeFox() {
     Shape shape{wish.name, {}};
     for (const Vector3d& p : fox.shapes[0].positions)
       shape.positions.push_back(pose(p));
+    SmoothOffsets(mesh.triangles, fox.shapes[0].positions, kSmoothing, &shape.positions);
     fox.shapes.push_back(std::move(shape));
   }
   Primitive primitive;
@@ -104,7 +108,7 @@ Character MakeFox() {
   handle("hand_right", 0.5, 0.58, true);
   handle("foot_left", -0.16, 0.07, true);
   handle("foot_right", 0.16, 0.07, true);
-  handle("tail_tip", 0.96, 1.02, true);
+  handle("tail_tip", 1.06, 1.02, true);
   RoundPositions(&fox);
   return fox;
 }

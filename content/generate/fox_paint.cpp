@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace limber::content {
 namespace {
@@ -18,10 +19,10 @@ Vector2d Folded(const Vector2d& p) {
 
 Limb MakeLimb(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d,
               std::function<double(double)> radius) {
-  Limb limb{Curve::Bezier(a, b, c, d), std::move(radius), 0.35};
+  Limb limb{Curve::Bezier(a, b, c, d), std::move(radius), 0.7};
   // The paper around the limb goes with it, the trunk beside it does not.
-  limb.near = 1.05;
-  limb.far = 1.5;
+  limb.near = 1;
+  limb.far = 1.25;
   limb.margin = kFoxPaper + kFoxMargin;
   return limb;
 }
@@ -42,6 +43,7 @@ double LimbParameter(const Limb& limb, const Vector2d& p) {
 
 void PaintTail(const FoxModel& fox, const Vector2d& p, Colour* ground) {
   const double d = fox.Tail(p);
+  if (d > 2 * kLine) return;
   Colour fur = kOrange;
   const double u = LimbParameter(fox.tail, p);
   Cover(kDeep, 0.6 * Inside(u - 0.18, 0.3), &fur);
@@ -64,6 +66,7 @@ void PaintTrunk(const FoxModel& fox, const Vector2d& p, Colour* ground) {
   Cover(kCream, Inside(EllipseDistance(p, {0, 0.56}, {0.165, 0.3}), 0.006), &fur);
   Fill(fox.Trunk(p), fur, ground);
   for (const Limb* arm : {&fox.arm_left, &fox.arm_right}) {
+    if (LimbInPlane(*arm, p) > 2 * kLine) continue;
     Colour paw = kOrange;
     Cover(kSock, Inside(0.56 - LimbParameter(*arm, p), 0.01), &paw);
     Fill(LimbInPlane(*arm, p), paw, ground);
@@ -124,12 +127,14 @@ void PaintFace(const FoxModel& fox, const Vector2d& p, Colour* ground) {
 }  // namespace
 
 FoxModel::FoxModel()
-    : tail(MakeLimb({0.15, 0.27, 0}, {0.68, 0.08, 0}, {1.14, 0.38, 0}, {0.96, 1.02, 0},
+    : tail(MakeLimb({0.15, 0.27, 0}, {0.78, 0.04, 0}, {1.27, 0.36, 0}, {1.06, 1.02, 0},
                     [](double u) { return 0.06 + 0.155 * Bump(u, 0.66, 0.32) - 0.02 * u; })),
       arm_left(MakeLimb({-0.14, 0.77, 0}, {-0.26, 0.76, 0}, {-0.4, 0.7, 0}, {-0.5, 0.58, 0},
                         [](double u) { return 0.068 + 0.012 * u; })),
       arm_right(MakeLimb({0.14, 0.77, 0}, {0.26, 0.76, 0}, {0.4, 0.7, 0}, {0.5, 0.58, 0},
-                         [](double u) { return 0.068 + 0.012 * u; })) {}
+                         [](double u) { return 0.068 + 0.012 * u; })) {
+  tail.root = 0.35;
+}
 
 double FoxModel::Head(const Vector2d& p) const {
   const Vector2d q = Folded(p);
@@ -172,11 +177,14 @@ double FoxModel::Distance(const Vector2d& p) const {
 
 Colour FoxColour(const FoxModel& fox, const Vector2d& p) {
   Colour colour = Hex(0xFFFBF2);
+  colour[3] = Inside(fox.Distance(p) - kFoxPaper, kSoft);
+  if (colour[3] == 0) return colour;
+  const double alpha = std::exchange(colour[3], 1.0);
   PaintTail(fox, p, &colour);
   PaintTrunk(fox, p, &colour);
   PaintScarf(p, &colour);
   PaintFace(fox, p, &colour);
-  colour[3] = Inside(fox.Distance(p) - kFoxPaper, kSoft);
+  colour[3] = alpha;
   return colour;
 }
 

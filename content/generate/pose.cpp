@@ -46,7 +46,7 @@ Vector3d Pose::operator()(const Vector3d& p) const {
         Mirror(MoveWithLimb(*limb.limb, limb.spine, thickness, here), limb.mirrored);
     const Vector3d rigid = limb.root_image + limb.rotation * (posed - limb.root);
     const Vector3d warped = warp_(posed);
-    const double share = limb.limb->Share(here, 2 * limb.limb->root);
+    const double share = limb.limb->Share(here, 1.3 * limb.limb->root);
     moved += warped + share * (rigid - warped) - bare;
   }
   return moved;
