@@ -72,6 +72,7 @@ Status RenderTargets::CreateColorPass() {
                  VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
       Attachment(kColorFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_STORE_OP_STORE,
                  VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
+  attachments[0].loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // the backdrop covers all of it
   attachments[2].loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   const VkAttachmentReference color{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};

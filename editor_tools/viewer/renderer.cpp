@@ -32,6 +32,29 @@ glm::mat4 ShadowFromMesh(const Bounds& bounds) {
   return to_unit * projection * view;
 }
 
+struct GroundPatch {
+  float x = 0, z = 0, half_x = 0, half_z = 0;
+};
+
+// The part of the floor that the shadow of the box falls on, with room to move. Small, because
+// every pixel of it is paid for.
+GroundPatch ShadowedGround(const Bounds& bounds, float height) {
+  const glm::vec3 low(bounds.low.x, bounds.low.y, bounds.low.z);
+  const glm::vec3 high(bounds.high.x, bounds.high.y, bounds.high.z);
+  glm::vec2 first(low.x, low.z), last(high.x, high.z);
+  for (const glm::vec3& corner : {low, high}) {
+    for (const float top : {low.y, high.y}) {
+      const float along = std::max(0.0f, top - height) / kKeyDirection.y;
+      const glm::vec2 foot(corner.x - along * kKeyDirection.x, corner.z - along * kKeyDirection.z);
+      first = glm::min(first, foot);
+      last = glm::max(last, foot);
+    }
+  }
+  const glm::vec2 centre = 0.5f * (first + last);
+  const glm::vec2 half = 0.5f * (last - first) + 0.15f * bounds.diagonal();
+  return {centre.x, centre.y, half.x, half.y};
+}
+
 uint32_t DotStyle(const HandleDot& dot) {
   return (dot.pinned ? LIMBER_VIEW_DOT_PINNED : 0u) | (dot.hovered ? LIMBER_VIEW_DOT_HOVERED : 0u) |
          (dot.grabbed ? LIMBER_VIEW_DOT_GRABBED : 0u);
@@ -153,7 +176,7 @@ Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t nu
   const glm::mat4 clip = scene.camera->ClipFromMesh(), shadow = ShadowFromMesh(bounds_);
   std::memcpy(uniforms.clip_from_mesh, glm::value_ptr(clip), sizeof(clip));
   std::memcpy(uniforms.shadow_from_mesh, glm::value_ptr(shadow), sizeof(shadow));
-  const Vec3 eye = scene.camera->eye(), centre = bounds_.centre();
+  const Vec3 eye = scene.camera->eye();
   const float size = bounds_.diagonal();
   const auto set = [](float* out, float x, float y, float z, float w) {
     out[0] = x;
@@ -163,7 +186,9 @@ Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t nu
   };
   set(uniforms.eye, eye.x, eye.y, eye.z, flat_ ? 1 : 0);
   set(uniforms.key, kKeyDirection.x, kKeyDirection.y, kKeyDirection.z, 0.006f);
-  set(uniforms.ground, centre.x, ground_height_, centre.z, flat_ ? 0 : 1.4f * size);
+  const GroundPatch ground = ShadowedGround(bounds_, ground_height_);
+  set(uniforms.ground, ground.x, ground_height_, ground.z, 0);
+  set(uniforms.ground_half, ground.half_x, ground.half_z, 0.12f * size, 0);
   const auto width = static_cast<float>(extent().width);
   const auto height = static_cast<float>(extent().height);
   const float radius = options_.dot_radius > 0 ? options_.dot_radius : std::max(3.5f, height / 95);

@@ -28,10 +28,11 @@ struct FrameUniforms {
   float shadow_from_mesh[16];   // x and y to 0..1, z to depth
   float eye[4];                 // mesh space; w: 1 for a flat (planar) character
   float key[4];                 // towards the key light; w: width of the soft shadow, in the map
-  float ground[4];              // centre x, height, centre z, radius; radius 0: no ground
+  float ground[4];              // where a shadow may fall: centre x, height, centre z, unused
+  float ground_half[4];         // half its width in x and z, and the width of its soft border
   float viewport[4];            // width, height, dot radius in pixels, character's size
 };
-static_assert(sizeof(FrameUniforms) == 192);
+static_assert(sizeof(FrameUniforms) == 208);
 
 struct DrawPush {
   float base_color[4];          // linear
@@ -57,6 +58,7 @@ layout(std140, set = 0, binding = LIMBER_VIEW_FRAME) uniform Frame {
   vec4 eye;
   vec4 key;
   vec4 ground;
+  vec4 ground_half;
   vec4 viewport;
 } frame;
 

@@ -9,8 +9,9 @@ layout(location = 0) in vec3 position;
 layout(location = 0) out vec4 color;
 
 void main() {
-  const float away = length(position.xz - frame.ground.xz) / frame.ground.w;
-  const float fade = 1.0 - smoothstep(0.45, 1.0, away);
+  const vec2 inside = frame.ground_half.xy - abs(position.xz - frame.ground.xz);
+  const vec2 border = smoothstep(vec2(0.0), frame.ground_half.zz, inside);
+  const float fade = border.x * border.y;
   if (fade <= 0.0 || frame.eye.y < frame.ground.y) discard;
   const float wide = LightThrough(position, 5.0 * frame.key.w, 0.002, 16);
   if (wide == 1.0) discard;
