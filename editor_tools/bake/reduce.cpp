@@ -101,7 +101,9 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   tables->num_groups = input.num_groups;
 
   Result<ModeBasis> basis = ComputeModeBasis(
-      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian);
+      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian,
+      ExampleTransforms(input.weights->cols(), static_cast<Eigen::Index>(shapes.size()),
+                        tables->dimension));
   if (!basis.ok()) return basis.status();
   StoreModes(input, *basis, tables);
   if (cancelled("tensors", 0.5)) return stop;

@@ -6,6 +6,15 @@
 #include "core/rotation_fit.h"
 
 namespace limber {
+namespace {
+
+// All relative to the energy of one example's edges. Tables in single precision leave about 3e-7 of
+// its root in sqrt(D), so shapes that fit the targets better than the floor fit equally well.
+constexpr double kNearnessFloor = 1e-6;
+constexpr double kSmoothing = 1e-14;   // delta^2 of the convex step
+constexpr double kProximal = 1e-10;    // rho of the convex step
+
+}  // namespace
 
 template <int K>
 RotatedColumns<K>::RotatedColumns(const PoseModel& model)
@@ -77,12 +86,13 @@ template <int K>
 void Alternation<K>::PrepareConvexStep(const PoseModel& model, double lambda,
                                        BlendProblem* problem) {
   answered_targets_ = model.constraints.response.lazyProduct(targets);
+  const double floor = kNearnessFloor * std::sqrt(model.energy_scale);
   for (int block = 0; block < model.num_blocks; ++block) {
     const Rotation load =
         model.constraint_load.template middleRows<K>(static_cast<Eigen::Index>(block) * K)
             .lazyProduct(answered_targets_);
     linear_[block] = rotations_[block].transpose().cwiseProduct(load).sum();
-    nearness_[block] = lambda * std::sqrt(distances_[block]);
+    nearness_[block] = lambda * std::max(std::sqrt(distances_[block]), floor);
   }
   columns_.Reset(&rotations_);
   problem->num_groups = model.num_groups;
@@ -91,7 +101,8 @@ void Alternation<K>::PrepareConvexStep(const PoseModel& model, double lambda,
   problem->linear = linear_.data();
   problem->nearness = nearness_.data();
   problem->constant = 0.5 * targets.cwiseProduct(answered_targets_).sum();
-  problem->delta_squared = 1e-12 * model.energy_scale;
+  problem->delta_squared = kSmoothing * model.energy_scale;
+  problem->proximal = kProximal * model.energy_scale;
 }
 
 // K^_gs = K_z,gs z and its best rotation (eq. 22, 23), of every shape and group; returns the

@@ -25,6 +25,7 @@ BlendWeightStep::BlendWeightStep(int num_groups, int num_shapes)
   const size_t most_free = blocks - static_cast<size_t>(num_groups);
   is_free_.resize(blocks);
   gradient_.resize(blocks);
+  start_.resize(blocks);
   free_.reserve(blocks);
   reference_.resize(static_cast<size_t>(num_groups));
   hessian_.resize(most_free * most_free);
@@ -60,7 +61,9 @@ void BlendWeightStep::UpdateGradient(const BlendProblem& problem, const double* 
   double value = problem.constant;  // 1/2 B.(Q B - 2 l) + c0
   for (int i = 0; i < blocks; ++i) {
     value += blend[i] * (0.5 * gradient_[i] - problem.linear[i]);
-    gradient_[i] -= problem.linear[i];
+    const double moved = blend[i] - start_[i];
+    value += 0.5 * problem.proximal * moved * moved;
+    gradient_[i] += problem.proximal * moved - problem.linear[i];
   }
   value_ = std::max(value, 0.0);
 }
@@ -70,7 +73,6 @@ void BlendWeightStep::UpdateGradient(const BlendProblem& problem, const double* 
 // m^2 = d^T Q d; where 2 m^2 >= 1 the linear term wins and d is followed to the border.
 BlendWeightStep::Step BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
   const int size = static_cast<int>(free_.size());
-  double largest = 0;
   for (int a = 0; a < size; ++a) {
     const int ref_a = reference_[free_[a] / num_shapes_];
     const double* column = problem.quadratic->Column(free_[a]);
@@ -79,16 +81,13 @@ BlendWeightStep::Step BlendWeightStep::MinimiserOnFace(const BlendProblem& probl
       const int ref_b = reference_[free_[b] / num_shapes_];
       hessian_[b * size + a] =
           column[free_[b]] - column[ref_b] - ref_column[free_[b]] + ref_column[ref_b];
+      if (ref_a == ref_b) hessian_[b * size + a] += problem.proximal;
     }
-    largest = std::max(largest, hessian_[a * size + a]);
+    hessian_[a * size + a] += problem.proximal;
     newton_[a] = gradient_[ref_a] - gradient_[free_[a]];
     slope_[a] = problem.nearness[free_[a]] - problem.nearness[ref_a];
     direction_[a] = -slope_[a];
   }
-  // Shapes that are equal over a group make the form singular; this much curvature, above the
-  // rounding of Q's entries, decides for the smallest change.
-  const double ridge = 1e-12 * largest + 1e-2 * problem.delta_squared;
-  for (int a = 0; a < size; ++a) hessian_[a * size + a] += ridge;
   CholeskyFactor(hessian_.data(), size);
   double reached = value_;
   for (int a = 0; a < size; ++a) slope_[a] = -newton_[a];  // reduced gradient of f, kept for f(u)
@@ -170,7 +169,10 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
 BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   const int blocks = num_groups_ * num_shapes_;
   const int most_faces = 50 + 8 * blocks;
-  for (int j = 0; j < blocks; ++j) is_free_[j] = blend[j] > 0 ? 1 : 0;
+  for (int j = 0; j < blocks; ++j) {
+    is_free_[j] = blend[j] > 0 ? 1 : 0;
+    start_[j] = blend[j];
+  }
   BlendReport report;
   double last_value = std::numeric_limits<double>::infinity();
   for (report.faces = 1; report.faces <= most_faces; ++report.faces) {

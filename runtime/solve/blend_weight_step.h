@@ -5,6 +5,10 @@
 // minimiser has a closed form, so the loop is finite and needs no line search. At a point where f
 // vanishes (targets that the examples match exactly) the square root has a kink; f + delta^2 with
 // a tiny delta stands for it, which moves B by about delta / sqrt(energy scale).
+//
+// Where several B serve equally well (an example that moves no handle, shapes equal over a group)
+// rounding would choose, differently in each frame. A proximal term rho/2 |B - B_start|^2 within f
+// keeps the start instead; it vanishes as B comes to rest, so it changes no settled answer.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +31,7 @@ struct BlendProblem {
   const double* nearness = nullptr;        // lambda sqrt(D), G*S, all >= 0
   double constant = 0;                     // c0
   double delta_squared = 0;                // > 0
+  double proximal = 0;                     // rho > 0
 };
 
 struct BlendReport {
@@ -57,10 +62,11 @@ class BlendWeightStep {
   std::vector<uint8_t> is_free_;     // [G*S]
   std::vector<int> free_;            // free weights that are not their group's reference
   std::vector<int> reference_;       // [G]: the free weight that the others of the group trade with
-  std::vector<double> gradient_;     // [G*S] Q B - l
+  std::vector<double> gradient_;     // [G*S] of f: Q B - l + rho (B - B_start)
   std::vector<double> hessian_;      // reduced, free x free
   std::vector<double> newton_, slope_, direction_;   // [free]
-  double value_ = 0;                 // f(B)
+  std::vector<double> start_;        // [G*S]: B at the call
+  double value_ = 0;                 // f(B), the proximal term included
 };
 
 }  // namespace limber
