@@ -161,10 +161,16 @@ Vec3 ToRigSpace(const RigSpace& space, const Vec3& base, const Vec3& offset) {
   return result;
 }
 
-Status FillShapes(const RigJson& rig, const GltfMorphMesh& mesh,
+Status FillShapes(const GltfLimits& limits, const RigJson& rig, const GltfMorphMesh& mesh,
                   const std::vector<uint32_t>& first_draw, SkinMesh* skin) {
   if (!(rig.tables.space.scale > 0)) {
     return Error(StatusCode::kMalformed, "space.scale: it is not positive");
+  }
+  // Many example shapes may name one morph target: what they ask for is limited, not what is there.
+  if (uint64_t{rig.shape_targets.size()} * first_draw.size() > limits.max_morph_positions) {
+    return Error(StatusCode::kLimitExceeded, "shapes: %zu times %zu vertices, the limit is %llu",
+                 rig.shape_targets.size(), first_draw.size(),
+                 static_cast<unsigned long long>(limits.max_morph_positions));
   }
   skin->shape_positions.reserve(rig.shape_targets.size() * first_draw.size());
   for (size_t s = 0; s < rig.shape_targets.size(); ++s) {
@@ -237,7 +243,8 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   Result<std::vector<uint32_t>> first_draw = FirstDrawVertices(skin);
   if (!first_draw.ok()) return first_draw.status();
   LIMBER_RETURN_IF_ERROR(ReadWeights(file, *mesh, *first_draw, &skin));
-  LIMBER_RETURN_IF_ERROR(FillShapes(*rig, *mesh, *first_draw, &skin).WithContext(place));
+  LIMBER_RETURN_IF_ERROR(
+      FillShapes(file.limits(), *rig, *mesh, *first_draw, &skin).WithContext(place));
   MoveSurface(rig->tables.space, &*mesh, &skin);
   CheckHandleNodes(file, &rig->tables);
   const std::string name =
