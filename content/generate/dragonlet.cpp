@@ -7,7 +7,7 @@
 #include "generate/smooth_offsets.h"
 #include "generate/surface.h"
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 
 #include <cmath>
 #include <numbers>
@@ -41,14 +41,17 @@ void AddEye(const DragonletEye& eye, const std::vector<DragonletPoser>& posers,
             Character* dragonlet, Primitive* primitive) {
   constexpr int kAround = 28, kRings = 14;
   const auto base = static_cast<uint32_t>(dragonlet->normals.size() - primitive->first_vertex);
+  // The eyes sit turned outwards with the head's surface, but look a little inwards from there.
+  const Eigen::AngleAxisd look(eye.centre.x() > 0 ? -0.2 : 0.2, Vector3d::UnitY());
   const auto add = [&](double polar, double azimuth) {
     const Vector3d unit(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
                         std::cos(polar));
-    const Vector3d p = eye.centre + eye.axes * unit.cwiseProduct(eye.radii);
+    const Vector3d on_ball = look * unit;
+    const Vector3d p = eye.centre + eye.axes * on_ball.cwiseProduct(eye.radii);
     for (size_t s = 0; s < posers.size(); ++s) {
       dragonlet->shapes[s].positions.push_back(posers[s].Eye(eye, p));
     }
-    dragonlet->normals.emplace_back((eye.axes * unit.cwiseQuotient(eye.radii)).normalized());
+    dragonlet->normals.emplace_back((eye.axes * on_ball.cwiseQuotient(eye.radii)).normalized());
     const double r = DiscRadius(polar);
     const Vector2d disc(0.5 + r * std::cos(azimuth), 0.5 - r * std::sin(azimuth));
     // The eyes' square is the lower right corner of the picture.

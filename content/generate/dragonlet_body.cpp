@@ -73,7 +73,7 @@ std::array<double, kNumDragonletParts> DragonletModel::PartDistances(const Vecto
   const auto set = [&d](DragonletPart part, double value) { d[static_cast<int>(part)] = value; };
   set(DragonletPart::kCore, CoreDistance(p));
   set(DragonletPart::kSnout, Ellipsoid(p, {0, 1.04, 0.42}, {0.25, 0.17, 0.22}));
-  const double sole = Ellipsoid(q, {0.27, 0.12, 0.17}, {0.18, 0.14, 0.27});
+  const double sole = Ellipsoid(q, {0.27, 0.14, 0.17}, {0.18, 0.14, 0.27});
   const double ankle = Ellipsoid(q, {0.27, 0.24, 0.04}, {0.18, 0.22, 0.2});
   set(DragonletPart::kFoot, SmoothMin(sole, ankle, 0.12));
   set(DragonletPart::kArm, arm_.Distance(q));

@@ -84,13 +84,15 @@ void PaintEar(const DragonletModel& model, const Vector3d& p, Colour* skin) {
   const Vector3d q(std::abs(p.x()), p.y(), p.z());
   const Curve::Foot foot = model.ear().spine.Nearest(q);
   const Vector3d from = q - model.ear().spine.Point(foot.u);
-  const double inner = (from - from.z() * Vector3d::UnitZ()).norm() -
-                       0.62 * model.ear().radius(foot.u) * SmoothStep(0.3, 0.5, foot.u);
+  // The lining: a smaller leaf inside the leaf.
+  const double leaf = 0.68 * SmoothStep(0.25, 0.6, foot.u) * (1 - SmoothStep(0.66, 0.9, foot.u));
+  const double inner =
+      (from - from.z() * Vector3d::UnitZ()).norm() - model.ear().radius(foot.u) * leaf;
   const double faces_front = SmoothStep(0.0, 0.03, from.z());
   Colour lining = Hex(0xFFA69E);
   Cover(Hex(0xFF7F87), SmoothStep(0.5, 0.9, foot.u), &lining);
-  Cover(lining, faces_front * Inside(inner, 0.02) * SmoothStep(0.42, 0.5, foot.u), skin);
-  Cover(Hex(0xFF8A5B), SmoothStep(0.8, 0.86, foot.u), skin);
+  Cover(lining, faces_front * Inside(inner, 0.02), skin);
+  Cover(Hex(0xFF8A5B), SmoothStep(0.84, 0.88, foot.u), skin);
 }
 
 // Three round nails on each foot.

@@ -74,7 +74,7 @@ void Stretch(DragonletPose* pose) {
   pose->Arms(arm, arm);
   const LimbPose ear = {1.2, 0.9, Arc(kZ, -1.5, 0.1, 0.9)};
   pose->Ears(ear, ear);
-  pose->Tail({1.2, 0.85, Both(Arc(kY, -0.5, 0.1, 0.7), Arc(kX, -0.5, 0.3, 1.0))});
+  pose->Tail({1.2, 0.85, Both(Arc(kY, -0.5, 0.1, 0.7), Arc(kX, 0.15, 0.3, 1.0))});
 }
 
 void Puff(DragonletPose* pose) {
