@@ -16,7 +16,7 @@ namespace limber::content {
 namespace {
 
 constexpr int kPixels = 1024, kEyePixels = 224;
-constexpr int kSmoothing = 6;
+constexpr int kSmoothing = 14;
 constexpr double kCell = 0.05;
 
 // An eye's picture is a disc: the middle looks ahead, the rim behind. The front half of the eye

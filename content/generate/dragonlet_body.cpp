@@ -97,7 +97,7 @@ std::array<double, kNumDragonletParts> DragonletModel::PartDistances(const Vecto
 }
 
 double DragonletModel::Distance(const Vector3d& p) const {
-  constexpr double kMelt[kNumDragonletParts] = {0, 0.16, 0.12, 0.12, 0.12, 0.08, 0.09, 0.22};
+  constexpr double kMelt[kNumDragonletParts] = {0, 0.16, 0.12, 0.12, 0.12, 0.12, 0.09, 0.22};
   const auto d = PartDistances(p);
   double distance = d[0];
   for (int part = 1; part < kNumDragonletParts; ++part) {
