@@ -1,11 +1,12 @@
-// Counts every operator new of the test program, to prove that a piece of code allocates nothing.
+// Counts every allocation of the test program, to prove that a piece of code makes none.
 #pragma once
 
 #include <cstdint>
 
 namespace limber::test {
 
-// Number of operator new calls of this thread so far.
+// Allocations of this thread so far: operator new, and malloc and its kin as well (Eigen calls
+// those), except under AddressSanitizer, which owns malloc.
 int64_t AllocationCount();
 
 }  // namespace limber::test

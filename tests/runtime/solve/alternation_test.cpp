@@ -1,0 +1,180 @@
+// The alternation's quantities against the same ones of the full mesh and of finite differences.
+#include "solve/alternation.h"
+
+#include <Eigen/Geometry>
+
+#include "bake/edge_groups.h"
+#include "core/rotation_fit.h"
+#include "deform/example_arap/full_energy.h"
+#include "deform/example_arap/paper_tensors.h"
+#include "geometry/bridges.h"
+#include "geometry/weld.h"
+#include "runtime/solve/solved_character.h"
+
+namespace limber {
+namespace {
+
+constexpr int kGroups = 5;
+
+class AlternationTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const bake::RawCharacter raw = test::MakeBendCylinder(12, 16);
+    bake::BakeOptions options;
+    options.num_groups = kGroups;
+    rig_ = test::BakeInMemory(raw, options);
+    ASSERT_NE(rig_, nullptr);
+    model_ = PoseModel::Create(rig_).value();
+    RebuildEdges(raw);
+    alternation_.emplace(*model_);
+    for (size_t c = 0; c < model_->pinned.size(); ++c) {
+      const RigHandle& handle = rig_->tables().handles[static_cast<size_t>(model_->pinned[c])];
+      const Vec3 x = rig_->ToRig(handle.rest_position);
+      alternation_->targets.row(static_cast<Eigen::Index>(c)) << x.x, x.y, x.z;
+      pinned_vertices_.push_back(static_cast<int>(handle.vertex));
+    }
+    alternation_->ResetToRest(*model_);
+    // Somewhere no example is: the top handle bent sideways and pulled.
+    alternation_->targets.row(1) += Eigen::RowVector3d(0.3, -0.1, 0.15);
+    for (int i = 0; i < 12; ++i) outcome_ = alternation_->Run(*model_, {});
+  }
+
+  // The bake's edges and shapes once more, from the weights that it stored.
+  void RebuildEdges(const bake::RawCharacter& raw) {
+    geometry::SolveMesh mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 1e-7);
+    geometry::ConnectComponents(&mesh);
+    const SkinMesh& skin = rig_->mesh();
+    weights_.resize(skin.num_solve_vertices, skin.num_handles);
+    for (Eigen::Index v = 0; v < weights_.rows(); ++v) {
+      for (Eigen::Index h = 0; h < weights_.cols(); ++h) {
+        weights_(v, h) = skin.weights[static_cast<size_t>(v * weights_.cols() + h)];
+      }
+    }
+    int groups = 0;
+    edges_ = bake::BuildGroupEdges(mesh, bake::ClusterVertices(weights_, kGroups, &groups));
+    for (int s = 0; s < skin.num_shapes; ++s) {
+      Eigen::MatrixXd shape(weights_.rows(), 3);
+      for (Eigen::Index v = 0; v < shape.rows(); ++v) {
+        const Vec3 p = skin.shape_positions[static_cast<size_t>(s * shape.rows() + v)];
+        shape.row(v) << p.x, p.y, p.z;
+      }
+      shapes_.push_back(shape);
+    }
+  }
+
+  deform::ExampleState State() const {
+    deform::ExampleState state;
+    state.blend = alternation_->blend();
+    for (const auto& rotation : alternation_->rotations()) state.rotations.push_back(rotation);
+    Eigen::Matrix<double, Eigen::Dynamic, 3> transforms(rig_->tables().num_transform_rows(), 3);
+    alternation_->Transforms(*model_, &transforms);
+    state.q = deform::BuildPaperTensors(shapes_, weights_, {}, 1).skinning * transforms;
+    return state;
+  }
+
+  std::shared_ptr<const Rig> rig_;
+  std::shared_ptr<const PoseModel> model_;
+  std::optional<Alternation<3>> alternation_;
+  Alternation<3>::Outcome outcome_;
+  std::vector<int> pinned_vertices_;
+  Eigen::MatrixXd weights_;
+  std::vector<Eigen::MatrixXd> shapes_;
+  std::vector<geometry::GroupEdge> edges_;
+};
+
+TEST_F(AlternationTest, Energy_EqualsTheOneOfTheFullMesh) {
+  const deform::ExampleState state = State();
+  double nearness = 0;
+  const double reduced = alternation_->ElasticRoot(*model_, &nearness);
+  const double full = std::sqrt(deform::ElasticEnergy(shapes_, edges_, state));
+  EXPECT_GT(full, 1e-3) << "the pose must be one that costs energy";
+  EXPECT_NEAR(reduced, full, 1e-5 * full);
+}
+
+TEST_F(AlternationTest, Transforms_AreTheMinimiserOfThePaperTensors) {
+  const deform::ExampleState state = State();
+  const deform::PaperTensors tensors =
+      deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
+  const Eigen::MatrixXd slow = tensors.Minimise(pinned_vertices_, alternation_->targets,
+                                                state.blend, state.rotations);
+  EXPECT_LT((tensors.skinning * slow - state.q).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_NEAR(tensors.Energy(slow, state.blend, state.rotations),
+              deform::ElasticEnergy(shapes_, edges_, state), 1e-6);
+}
+
+TEST_F(AlternationTest, PinnedHandles_AreAtTheirTargets) {
+  const deform::ExampleState state = State();
+  for (size_t c = 0; c < pinned_vertices_.size(); ++c) {
+    EXPECT_LT((state.q.row(pinned_vertices_[c]) -
+               alternation_->targets.row(static_cast<Eigen::Index>(c)))
+                  .norm(),
+              1e-5);
+  }
+}
+
+// f(B) with the transforms eliminated, once more from the full mesh; its slope by differences.
+TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
+  deform::ExampleState state = State();
+  const deform::PaperTensors tensors =
+      deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
+  const auto value = [&](const std::vector<double>& blend) {
+    const Eigen::MatrixXd t =
+        tensors.Minimise(pinned_vertices_, alternation_->targets, blend, state.rotations);
+    return tensors.Energy(t, blend, state.rotations);
+  };
+  RotatedColumns<3> columns(*model_);
+  columns.Reset(&alternation_->rotations());
+  const Eigen::MatrixXd answered = model_->constraints.response * alternation_->targets;
+  const double step = 1e-4;
+  for (int i = 0; i < model_->num_blocks; ++i) {
+    std::vector<double> up = state.blend, down = state.blend;
+    up[static_cast<size_t>(i)] += step;
+    down[static_cast<size_t>(i)] -= step;
+    const double differences = (value(up) - value(down)) / (2 * step);
+    const Eigen::Matrix3d load = model_->constraint_load.middleRows<3>(3 * i) * answered;
+    double slope = -(state.rotations[static_cast<size_t>(i)] * load).trace();
+    for (int j = 0; j < model_->num_blocks; ++j) {
+      slope += columns.Column(i)[j] * state.blend[static_cast<size_t>(j)];
+    }
+    EXPECT_NEAR(slope, differences, 1e-5 * model_->energy_scale) << "block " << i;
+  }
+}
+
+TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
+  // At rest D is the energy of the single-shape problem, solved here slowly on the full mesh.
+  alternation_->Run(*model_, {});
+  const std::vector<double>& d = alternation_->distances();
+  for (int s = 0; s < model_->num_shapes; ++s) {
+    const deform::PaperTensors single =
+        deform::BuildPaperTensors({shapes_[static_cast<size_t>(s)]}, weights_, edges_,
+                                  rig_->num_groups());
+    std::vector<Eigen::MatrixXd> rotations(static_cast<size_t>(model_->num_groups),
+                                           Eigen::Matrix3d::Identity());
+    const std::vector<double> ones(static_cast<size_t>(model_->num_groups), 1.0);
+    // Local/global from the rotations of the alternation until it rests.
+    for (int g = 0; g < model_->num_groups; ++g) {
+      rotations[static_cast<size_t>(g)] =
+          alternation_->rotations()[static_cast<size_t>(g * model_->num_shapes + s)];
+    }
+    Eigen::MatrixXd q;
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::MatrixXd t =
+          single.Minimise(pinned_vertices_, alternation_->targets, ones, rotations);
+      q = single.skinning * t;
+      for (int g = 0; g < model_->num_groups; ++g) {
+        rotations[static_cast<size_t>(g)] =
+            FitRotation<3>(Eigen::Matrix3d(single.load[static_cast<size_t>(g)] * t));
+      }
+    }
+    for (int i = 0; i < 200; ++i) alternation_->Run(*model_, {});
+    for (int g = 0; g < model_->num_groups; ++g) {
+      const double full =
+          deform::GroupEnergy(shapes_[static_cast<size_t>(s)], edges_, g, q,
+                              rotations[static_cast<size_t>(g)]);
+      EXPECT_NEAR(d[static_cast<size_t>(g * model_->num_shapes + s)], full, 2e-3 * full + 1e-8);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber
