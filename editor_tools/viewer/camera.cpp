@@ -58,15 +58,21 @@ OrbitCamera OrbitCamera::Frame(const Bounds& bounds, float aspect) {
   camera.aspect_ = aspect;
   camera.target_ = ToGlm(bounds.centre());
   camera.size_ = std::max(bounds.diagonal(), 1e-12f);
+  camera.distance_ = 0.1f * camera.size_;
   camera.yaw_ = 0.45f;
   camera.pitch_ = 0.2f;
-  // What the box needs in each direction of the screen, with a margin.
+  // The nearest distance from which every corner is in view, with a margin.
   const glm::vec3 half = 0.5f * (ToGlm(bounds.high) - ToGlm(bounds.low));
   const glm::vec3 back = camera.Backward(), up = camera.Up(), right = glm::cross(up, back);
-  const float height = glm::dot(glm::abs(up), half), width = glm::dot(glm::abs(right), half);
-  const float depth = glm::dot(glm::abs(back), half);
-  const float fit = std::max(height, width / aspect) * 1.12f;
-  camera.distance_ = fit / std::tan(kFieldOfView / 2) + 0.6f * depth;
+  const float slope = std::tan(kFieldOfView / 2) / 1.1f;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 offset((corner & 1) != 0 ? half.x : -half.x,
+                           (corner & 2) != 0 ? half.y : -half.y,
+                           (corner & 4) != 0 ? half.z : -half.z);
+    const float reach =
+        std::max(std::abs(glm::dot(offset, up)), std::abs(glm::dot(offset, right)) / aspect);
+    camera.distance_ = std::max(camera.distance_, glm::dot(offset, back) + reach / slope);
+  }
   return camera;
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t kStamps = 3;  // begin, skinned, drawn
 
 // From the left, above and in front of a character that faces +z.
-const glm::vec3 kKeyDirection = glm::normalize(glm::vec3(0.48f, 0.78f, 0.62f));
+const glm::vec3 kKeyDirection = glm::normalize(glm::vec3(-0.58f, 0.80f, 0.52f));
 
 // The light's view of a ball: x and y to 0..1, depth to 0..1 with room for the floor behind.
 glm::mat4 ShadowFromMesh(const Bounds& bounds) {
@@ -101,7 +101,13 @@ Status Renderer::Initialize(const CharacterSource& source) {
   space_ = source.space;
   flat_ = source.dimension == 2;
   bounds_ = ShapeBounds(*source.mesh, space_);
-  ground_height_ = ShapeBounds(*source.mesh, space_, 0).low.y;
+  const Bounds rest = ShapeBounds(*source.mesh, space_, 0);
+  ground_height_ = rest.low.y;
+  // Extreme shapes must not make the character small: halfway between the first shape and all.
+  for (int axis = 0; axis < 3; ++axis) {
+    view_bounds_.low[axis] = (rest.low[axis] + bounds_.low[axis]) / 2;
+    view_bounds_.high[axis] = (rest.high[axis] + bounds_.high[axis]) / 2;
+  }
   return CreateSlots();
 }
 
@@ -167,8 +173,8 @@ Status Renderer::Resize(uint32_t width, uint32_t height) {
 OrbitCamera Renderer::DefaultCamera() const {
   const VkExtent2D size = extent();
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
-  return flat_ ? OrbitCamera::FrameFlat(bounds_, space_, aspect)
-               : OrbitCamera::Frame(bounds_, aspect);
+  return flat_ ? OrbitCamera::FrameFlat(view_bounds_, space_, aspect)
+               : OrbitCamera::Frame(view_bounds_, aspect);
 }
 
 Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t num_dots) const {
@@ -191,7 +197,7 @@ Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t nu
   set(uniforms.ground_half, ground.half_x, ground.half_z, 0.12f * size, 0);
   const auto width = static_cast<float>(extent().width);
   const auto height = static_cast<float>(extent().height);
-  const float radius = options_.dot_radius > 0 ? options_.dot_radius : std::max(3.5f, height / 95);
+  const float radius = options_.dot_radius > 0 ? options_.dot_radius : std::max(4.0f, height / 85);
   set(uniforms.viewport, width, height, radius, size);
   std::memcpy(slot.uniforms.mapped(), &uniforms, sizeof(uniforms));
 

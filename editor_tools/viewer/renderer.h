@@ -70,7 +70,7 @@ class Renderer {
   // Of the last finished frame of that slot; call after its fence.
   StageTimes times(uint32_t frame) const;
 
-  // The box around all example shapes, mesh space; and a camera that shows all of it.
+  // The box around all example shapes, mesh space; and a camera that frames the character.
   const Bounds& bounds() const { return bounds_; }
 
   OrbitCamera DefaultCamera() const;
@@ -103,7 +103,7 @@ class Renderer {
   std::vector<Slot> slots_;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  Bounds bounds_;
+  Bounds bounds_, view_bounds_;
   RigSpace space_;
   float ground_height_ = 0;
   bool flat_ = false;

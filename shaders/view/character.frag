@@ -70,7 +70,7 @@ vec3 Shade(vec3 albedo, vec3 n) {
   if (nl > -0.36) {   // else no key light arrives anyway
     through = LightThrough(position + n * (0.008 * size), frame.key.w, bias, 12);
   }
-  const vec3 key_color = vec3(1.0, 0.95, 0.88) * 1.05;
+  const vec3 key_color = vec3(1.0, 0.945, 0.87) * 1.22;
   const vec3 wrapped = vec3(Wrapped(nl, 0.36), Wrapped(nl, 0.26), Wrapped(nl, 0.22));
   const vec3 soft = mix(vec3(through), vec3(1.0), vec3(0.10, 0.05, 0.04));
 
@@ -79,10 +79,10 @@ vec3 Shade(vec3 albedo, vec3 n) {
   const float facing = 1.0 - nv, grazing = facing * facing * facing * facing * facing;
   const vec3 fresnel = f0 + (max(vec3(1.0 - draw.roughness), f0) - f0) * grazing;
 
-  vec3 light = diffuse * (Environment(n) * 0.50 + key_color * wrapped * soft);
+  vec3 light = diffuse * (Environment(n) * 0.42 + key_color * wrapped * soft);
   light += fresnel * Environment(reflect(-v, n)) * mix(0.85, 0.4, draw.roughness);
   light += f0 * key_color * 2.2 * Highlight(n, l, v, draw.roughness) * through;
-  const vec3 back = normalize(vec3(-0.55, 0.35, -0.75));
+  const vec3 back = normalize(vec3(0.62, 0.35, -0.70));
   const float rim = facing * facing * sqrt(facing) * smoothstep(-0.2, 0.7, dot(n, back));
   light += vec3(0.80, 0.90, 1.0) * rim * 0.55 * mix(vec3(0.35), vec3(1.0), albedo);
   return light;

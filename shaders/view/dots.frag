@@ -29,8 +29,9 @@ void main() {
   const vec3 white = vec3(1.0);
 
   vec4 paint = vec4(0.0);
+  const float hole = pinned ? 1.0 : 1.0 - Inside(r - 0.52);
   const float fall = length(offset - vec2(0.0, 0.22));
-  Over(paint, vec3(0.05, 0.04, 0.04), 0.45 * (1.0 - smoothstep(0.75, 1.55, fall)));
+  Over(paint, vec3(0.05, 0.04, 0.04), 0.45 * hole * (1.0 - smoothstep(0.75, 1.55, fall)));
   if (hovered || grabbed) {
     Over(paint, accent, 0.42 * Inside(r - 1.95));
   }
@@ -40,7 +41,7 @@ void main() {
   } else {
     const float ring = Inside(r - 1.0) * (1.0 - Inside(r - 0.52));
     Over(paint, white, ring);
-    Over(paint, accent, Inside(abs(r - 0.76) - 0.10) * 0.9);
+    Over(paint, accent, Inside(abs(r - 0.76) - 0.11));
   }
   color = vec4(ToTarget(paint.rgb, gl_FragCoord.xy), paint.a);
 }
