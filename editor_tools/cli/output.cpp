@@ -26,7 +26,7 @@ Status WriteFile(const fs::path& path, const fs::path& shown, std::string_view c
   const int write_error = errno;
   const bool closed = std::fclose(file) == 0;
   if (written && closed) return {};
-  const Status status = IoError(shown, "write it", written ? errno : write_error);
+  Status status = IoError(shown, "write it", written ? errno : write_error);
   std::error_code ignored;
   fs::remove(path, ignored);
   return status;
