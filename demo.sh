@@ -53,7 +53,7 @@ contact_sheet() {
   for ((i = 0; i < 12; ++i)); do
     chosen+=("${frames[i * (${#frames[@]} - 1) / 11]}")
   done
-  montage "${chosen[@]}" -resize 480x -tile 4x3 -geometry +4+4 -background '#20242c' "$2"
+  montage "${chosen[@]}" -resize 480x -tile 4x3 -geometry +4+4 -background '#20242c' -depth 8 "$2"
   wrote+=("$2")
 }
 

@@ -132,6 +132,12 @@ check_format() {
   [[ ${#files[@]} -gt 0 ]] && clang-format --dry-run --Werror "${files[@]}"
 }
 
+check_scripts() {
+  local files
+  mapfile -t files < <(sources '*.sh' .ci/run)
+  shellcheck -x "${files[@]}"
+}
+
 # Sources with their changes first: uncommitted ones, then by their last commit.
 sources_newest_first() {
   {
@@ -183,7 +189,7 @@ if [[ $style -eq 1 ]]; then
   title "style"
   if have clang-format; then check clang-format check_format; else
     skip clang-format "not installed"; fi
-  if have shellcheck; then check shellcheck shellcheck -x ./*.sh .ci/run; else
+  if have shellcheck; then check shellcheck check_scripts; else
     skip shellcheck "not installed"; fi
   if have clang-tidy; then check clang-tidy check_tidy; else skip clang-tidy "not installed"; fi
 fi
