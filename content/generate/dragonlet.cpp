@@ -169,20 +169,24 @@ Character MakeDragonlet() {
 }
 
 std::string MakeDragonletDrag(const Character& dragonlet) {
+  const std::vector<std::string> greeting = {"hand_left", "ear_left", "head"};
+  // By way of a stretch the tail swings behind the body from side to side, not through it.
   return WriteDrag(dragonlet, {{"squash", 0.9, {}, 7},
                                {"stretch", 1.05, {}, 8},
                                {"squash", 0.45, {}, 6},
                                {"rest", 0, {}, 5},
-                               {"wave", 1, {"hand_left", "ear_left", "head"}, 7},
-                               {"wave", 0.75, {"hand_left", "ear_left", "head"}, 4},
-                               {"wave", 1.05, {"hand_left", "ear_left", "head"}, 4},
-                               {"curl", 1, {}, 9},
-                               {"lean_left", 1, {}, 8},
-                               {"lean_right", 1.05, {}, 9},
-                               {"puff", 1.05, {}, 9},
-                               {"puff", 0.95, {}, 4},
-                               {"startled", 1, {}, 6},
-                               {"rest", 0, {}, 10}});
+                               {"wave", 1, greeting, 7},
+                               {"wave", 0.75, greeting, 3},
+                               {"wave", 1.05, greeting, 3},
+                               {"curl", 1, {}, 8},
+                               {"stretch", 0.45, {}, 5},
+                               {"lean_left", 1, {}, 6},
+                               {"stretch", 0.55, {}, 6},
+                               {"lean_right", 1.05, {}, 6},
+                               {"puff", 1.05, {}, 8},
+                               {"puff", 0.95, {}, 3},
+                               {"startled", 1, {}, 7},
+                               {"rest", 0, {}, 8}});
 }
 
 }  // namespace limber::content
