@@ -52,7 +52,8 @@ struct SkinTopology {
   uint32_t num_groups() const { return static_cast<uint32_t>(group_solve_vertex.size()); }
 };
 
-// The rest pose is the first example shape; `space` is the rig's. Errors: kMalformed
+// The rest pose is the first example shape, which rest_normals and rest_tangents must belong to;
+// `space` is the rig's. Errors: kMalformed
 // (CheckSkinMesh).
 Result<SkinTopology> BuildSkinTopology(const SkinMesh& mesh, const RigSpace& space);
 

@@ -28,10 +28,11 @@ Status VulkanSkinInstance::CreateBuffers() {
   // 256 is the largest offset alignment that Vulkan allows a device to ask for.
   BufferPlan matrix_plan(256), result_plan(256);
   for (Slot& slot : slots_) {
-    slot.matrices =
-        matrix_plan.Add(VkDeviceSize{skinner_.num_handles_} * skinner_.num_shapes_ * 48);
+    slot.matrices = matrix_plan.Add(VkDeviceSize{skinner_.num_handles_} * skinner_.num_shapes_ *
+                                    VulkanSkinner::kMatrixBytes);
     if (guard > 0) result_plan.Add(guard);
-    slot.positions = result_plan.Add(VkDeviceSize{skinner_.num_solve_vertices_} * 16);
+    slot.positions =
+        result_plan.Add(VkDeviceSize{skinner_.num_solve_vertices_} * VulkanSkinner::kPositionBytes);
     if (guard > 0) result_plan.Add(guard);
     slot.vertices =
         result_plan.Add(VkDeviceSize{skinner_.num_draw_vertices_} * sizeof(SkinnedVertex));

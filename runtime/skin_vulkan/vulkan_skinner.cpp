@@ -17,7 +17,6 @@ uint32_t NumWorkGroups(uint32_t count) {
   return count / LIMBER_SKIN_GROUP_SIZE + (count % LIMBER_SKIN_GROUP_SIZE != 0 ? 1 : 0);
 }
 
-// At least one element, so that no binding is empty.
 template <class T>
 std::span<const std::byte> Bytes(const std::vector<T>& table) {
   return std::as_bytes(std::span(table));
@@ -101,7 +100,7 @@ Status VulkanSkinner::Initialize(const VulkanHost& host, const SkinMesh& mesh,
   const Tables tables(mesh, std::move(*topology));
   LIMBER_RETURN_IF_ERROR(CheckLimits(tables));
 
-  const uint64_t matrix_bytes = uint64_t{num_handles_} * num_shapes_ * 48;
+  const uint64_t matrix_bytes = uint64_t{num_handles_} * num_shapes_ * kMatrixBytes;
   matrices_in_storage_ =
       options_.force_matrices_in_storage || matrix_bytes > api_.limits.maxUniformBufferRange;
   SkinPipelineOptions pipeline_options;
@@ -114,8 +113,9 @@ Status VulkanSkinner::Initialize(const VulkanHost& host, const SkinMesh& mesh,
 }
 
 Status VulkanSkinner::CheckLimits(const Tables& tables) const {
-  uint64_t largest = std::max(uint64_t{num_draw_vertices_} * sizeof(SkinnedVertex),
-                              uint64_t{num_handles_} * num_shapes_ * 48);
+  uint64_t largest = std::max({uint64_t{num_draw_vertices_} * sizeof(SkinnedVertex),
+                               uint64_t{num_solve_vertices_} * kPositionBytes,
+                               uint64_t{num_handles_} * num_shapes_ * kMatrixBytes});
   for (uint32_t binding = 0; binding < LIMBER_SKIN_NUM_BINDINGS; ++binding) {
     largest = std::max(largest, uint64_t{tables.ForBinding(binding).size()});
   }

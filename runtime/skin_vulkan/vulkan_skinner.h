@@ -95,6 +95,7 @@ class VulkanSkinner {
  private:
   friend class VulkanSkinInstance;
   struct Tables;
+  static constexpr uint32_t kMatrixBytes = 48, kPositionBytes = 16;  // 3 vec4, 1 vec4
 
   VulkanSkinner() = default;
   Status Initialize(const VulkanHost& host, const SkinMesh& mesh, const RigSpace& space);
