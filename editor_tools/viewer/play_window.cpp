@@ -14,6 +14,7 @@
 namespace limber::viewer {
 
 const char kPlayHelp[] =
+    "In the window:\n"
     "  left drag on a dot         moves the handle in the plane of the picture\n"
     "  left drag on the skin      moves the nearest pinned handle by as much as the pointer moves\n"
     "                             (the solver knows targets of handles only)\n"

@@ -13,18 +13,27 @@ fail() {
   exit "$1"
 }
 
-# shot NAME: the screen as FOLDER/NAME.png, once it has a picture and stands still.
+# shot NAME [OTHER]: the screen as FOLDER/NAME.png, once there is something on it, it differs from
+# OTHER's and has stood still for three looks.
+declare -A seen=([none]=none)
+look() { import -window root -depth 8 "rgb:$folder/screen.rgb" && md5sum < "$folder/screen.rgb"; }
 shot() {
-  local last=none now
+  local last=none still=0 now
   for _ in $(seq 150); do
     sleep 0.1
-    import -window root -define png:exclude-chunks=date,time "$folder/$1.png" || continue
-    now=$(identify -format '%# %k' "$folder/$1.png")
-    # A screen without a window has one colour.
-    if [ "$now" = "$last" ] && [ "${now##* }" -gt 100 ]; then return; fi
+    now=$(look)
+    if [ "$now" = "$last" ] && [ "$now" != "$blank" ] && [ "$now" != "${seen[${2:-none}]}" ]; then
+      still=$((still + 1))
+    else
+      still=0
+    fi
     last=$now
+    if [ $still -eq 2 ]; then
+      seen[$1]=$now
+      convert -size 800x600 -depth 8 "rgb:$folder/screen.rgb" "$folder/$1.png" && return
+    fi
   done
-  fail 91 "the screen never stood still for $1"
+  fail 91 "the screen never changed and stood still for $1"
 }
 
 # drag BUTTON X0 Y0 X1 Y1: button down, over in steps, button up.
@@ -42,6 +51,7 @@ key() { xdotool key "$1"; }
 resize() { xdotool windowsize "$window" "$1" "$2"; }
 hide_and_show() { xdotool windowunmap "$window" sleep 0.3 windowmap "$window"; }
 
+blank=$(look)
 "$host" "$character" 2> "$folder/log" &
 player=$!
 window=$(timeout 30 xdotool search --sync --onlyvisible --pid "$player" --name limber | head -1)

@@ -68,7 +68,7 @@ struct Twin {
 class PlayWindow : public testing::Test {
  protected:
   void SetUp() override {
-    for (const char* program : {"xvfb-run", "xdotool", "import", "identify"}) {
+    for (const char* program : {"xvfb-run", "xdotool", "import", "convert"}) {
       if (!HasProgram(program)) GTEST_SKIP() << program << " is not installed";
     }
   }
@@ -96,10 +96,12 @@ class PlayWindow : public testing::Test {
 };
 
 std::string Step(const char* name, std::initializer_list<int> numbers) {
-  std::string step = name;
+  std::ostringstream step;
+  step << name;
   for (const int number : numbers)
-    step += " " + std::to_string(number);
-  return step + "\n";
+    step << ' ' << number;
+  step << '\n';
+  return step.str();
 }
 
 const uint8_t* PixelAt(const Image& image, int x, int y) {
@@ -152,11 +154,11 @@ TEST_F(PlayWindow, DragHover_Reset) {
   const Pixel from = twin.Dot("top"), to = {from.x + 120, from.y + 60}, bottom = twin.Dot("bottom");
   twin.Drag(PointerButton::kLeft, from, to);
   const Pixel dropped = twin.Dot("top");
-  Play("cylinder", Step("hover", {5, 470}) + "shot before\n" +             //
-                       Step("hover", {from.x, from.y}) + "shot hover\n" +  //
-                       Step("drag 1", {from.x, from.y, to.x, to.y}) +      //
-                       Step("hover", {5, 470}) + "shot after\n" +          //
-                       "key r\nshot reset\nkey h\nshot no_dots\n");
+  Play("cylinder", Step("hover", {5, 470}) + "shot before\n" +                    //
+                       Step("hover", {from.x, from.y}) + "shot hover before\n" +  //
+                       Step("drag 1", {from.x, from.y, to.x, to.y}) +             //
+                       Step("hover", {5, 470}) + "shot after hover\n" +           //
+                       "key r\nshot reset after\nkey h\nshot no_dots reset\n");
   const Image before = Shot("before"), after = Shot("after"), reset = Shot("reset");
   ASSERT_GT(before.width, 0u);
   EXPECT_TRUE(HasDot(before, from));
@@ -184,9 +186,9 @@ TEST_F(PlayWindow, OrbitZoomPanAndFrame) {
   const Pixel framed = twin.Dot("top");
   Play("cylinder", Step("hover", {5, 470}) + "shot before\n" +                         //
                        Step("drag 1", {30, 30, 130, 110}) + Step("hover", {5, 470}) +  //
-                       "shot orbited\n" +                                              //
-                       Step("drag 2", {30, 30, 90, 70}) + "shot panned\n" +            //
-                       "scroll_in\nshot zoomed\n" + "key f\nshot framed\n");
+                       "shot orbited before\n" +                                       //
+                       Step("drag 2", {30, 30, 90, 70}) + "shot panned orbited\n" +    //
+                       "scroll_in\nshot zoomed panned\nkey f\nshot framed zoomed\n");
   EXPECT_TRUE(HasDot(Shot("orbited"), orbited));
   EXPECT_GT(ChangedAnywhere(Shot("before"), Shot("orbited")), 1000);
   EXPECT_TRUE(HasDot(Shot("panned"), panned));
@@ -201,8 +203,8 @@ TEST_F(PlayWindow, Skin_DragsTheNearestHandle) {
   twin.Drag(PointerButton::kLeft, skin, {skin.x - 70, skin.y + 10});
   const Pixel dropped = twin.Dot("top");
   EXPECT_LT(dropped.x, top.x - 50);
-  Play("cylinder", Step("drag 1", {skin.x, skin.y, skin.x - 70, skin.y + 10}) +
-                       Step("hover", {5, 470}) + "shot after\n");
+  Play("cylinder", "shot before\n" + Step("drag 1", {skin.x, skin.y, skin.x - 70, skin.y + 10}) +
+                       Step("hover", {5, 470}) + "shot after before\n");
   EXPECT_TRUE(HasDot(Shot("after"), dropped));
 }
 
@@ -217,8 +219,8 @@ TEST_F(PlayWindow, ResizedAndHidden_GoesOn) {
   twin.controls.Resized(760, 560);
   const Pixel large = twin.Dot("top");
   Play("cylinder", Step("hover", {5, 5}) +
-                       "shot before\nresize 420 300\nshot small\nhide_and_show\n" +
-                       "shot again\nresize 760 560\nshot large\n");
+                       "shot before\nresize 420 300\nshot small before\nhide_and_show\n" +
+                       "shot again\nresize 760 560\nshot large again\n");
   const Image at_small = Shot("small"), at_large = Shot("large");
   EXPECT_TRUE(HasDot(at_small, small));
   EXPECT_TRUE(IsBlack(at_small, {430, 150})) << "the screen beside the window";
@@ -234,9 +236,9 @@ TEST_F(PlayWindow, Planar_IsDraggedAndPannedFaceOn) {
   twin.Drag(PointerButton::kLeft, right, to);
   twin.Drag(PointerButton::kLeft, {560, 400}, {600, 440});  // background: pans
   const Pixel dropped = twin.Dot("right"), left = twin.Dot("left");
-  Play("square", Step("drag 1", {right.x, right.y, to.x, to.y}) +  //
-                     Step("drag 1", {560, 400, 600, 440}) +        //
-                     Step("hover", {5, 5}) + "shot after\n");
+  Play("square", "shot before\n" + Step("drag 1", {right.x, right.y, to.x, to.y}) +  //
+                     Step("drag 1", {560, 400, 600, 440}) +                          //
+                     Step("hover", {5, 5}) + "shot after before\n");
   EXPECT_TRUE(HasDot(Shot("after"), dropped));
   EXPECT_TRUE(HasDot(Shot("after"), left));
 }
