@@ -178,14 +178,14 @@ std::string MakeDragonletDrag(const Character& dragonlet) {
                                {"wave", 1, greeting, 7},
                                {"wave", 0.75, greeting, 3},
                                {"wave", 1.05, greeting, 3},
-                               {"curl", 1, {}, 8},
-                               {"stretch", 0.45, {}, 5},
-                               {"lean_left", 1, {}, 6},
-                               {"stretch", 0.55, {}, 6},
-                               {"lean_right", 1.05, {}, 6},
+                               {"curl", 1, {}, 9},
+                               {"stretch", 0.45, {}, 7},
+                               {"lean_left", 1, {}, 8},
+                               {"stretch", 0.55, {}, 8},
+                               {"lean_right", 1.05, {}, 8},
                                {"puff", 1.05, {}, 8},
                                {"puff", 0.95, {}, 3},
-                               {"startled", 1, {}, 7},
+                               {"startled", 1, {}, 8},
                                {"rest", 0, {}, 8}});
 }
 
