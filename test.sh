@@ -101,7 +101,7 @@ suite_number() {
 run_tests() {
   local preset=$1 name=$2
   shift 2
-  local report="$PWD/build/$preset.$name.xml" result=0 screen=() tests failures skips
+  local report="$PWD/build/$preset.$name.xml" result=0 screen=() tests failures skips missing
   if [[ -z ${DISPLAY:-} ]] && have xvfb-run; then
     screen=(xvfb-run -a -s '-screen 0 1280x1024x24')
   fi
@@ -113,11 +113,17 @@ run_tests() {
     failed=$((failed + 1))
     return 0
   fi
-  tests=$(suite_number tests "$report") failures=$(suite_number failures "$report")
-  skips=$(($(suite_number skipped "$report") + $(suite_number disabled "$report")))
+  # CTest counts a test whose program is missing as skipped; it is a failure.
+  missing=$(grep -c 'message="Unable to find' "$report" || true)
+  tests=$(suite_number tests "$report")
+  failures=$(($(suite_number failures "$report") + missing))
+  skips=$(($(suite_number skipped "$report") + $(suite_number disabled "$report") - missing))
   passed=$((passed + tests - failures - skips))
   failed=$((failed + failures))
   skipped=$((skipped + skips))
+  # The reasons that tests gave for skipping, each once.
+  grep -A 1 ': Skipped$' "$report" | grep -vE ': Skipped$|^--$' | sort | uniq -c |
+    sed -E 's/^ *([0-9]+) /skipped (\1): /' || true
   if [[ $result -ne 0 && $failures -eq 0 ]]; then
     printf 'tests %s %s: FAILED: ctest ended with %d\n' "$preset" "$name" "$result"
     failed=$((failed + 1))
@@ -127,9 +133,13 @@ run_tests() {
 sources() { git ls-files --cached --others --exclude-standard -- "$@"; }
 
 check_format() {
-  local files
+  local files unformatted
   mapfile -t files < <(sources '*.cpp' '*.h' '*.hpp' '*.c')
-  [[ ${#files[@]} -gt 0 ]] && clang-format --dry-run --Werror "${files[@]}"
+  unformatted=$(clang-format --dry-run --Werror "${files[@]}" 2>&1 |
+    sed -n 's/^\([^ :]*\):[0-9].*error.*/\1/p' | sort -u)
+  [[ -z $unformatted ]] && return 0
+  printf 'not as .clang-format wants it; run clang-format -i on:\n%s\n' "$unformatted"
+  return 1
 }
 
 check_scripts() {
