@@ -119,7 +119,7 @@ SmallGltf MakeBar(int length) {
     const float along = p[0] / static_cast<float>(length);
     bent.push_back({0, 0.5f * static_cast<float>(length) * along * along, 0});
     const float swell = std::sin(3.14159265f * along);
-    puffed.push_back({0, swell * (p[1] - 0.5f), swell * (p[2] - 0.5f)});
+    puffed.push_back({-0.2f * p[0], swell * (p[1] - 0.5f), swell * (p[2] - 0.5f)});
   }
   bar.targets = {bent, puffed};
   return bar;

@@ -8,7 +8,8 @@
 
 namespace limber::test {
 
-// A bar of `length` x 1 x 1 quads along x with two morph targets: bent upwards, and puffed.
+// A bar of `length` x 1 x 1 quads along x with two morph targets: bent upwards, and shorter but
+// puffed.
 struct SmallGltf {
   std::vector<std::array<float, 3>> positions;
   std::vector<std::vector<std::array<float, 3>>> targets;  // displacements
