@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 namespace limber::viewer {
@@ -103,10 +104,12 @@ Status Renderer::Initialize(const CharacterSource& source) {
   bounds_ = ShapeBounds(*source.mesh, space_);
   const Bounds rest = ShapeBounds(*source.mesh, space_, 0);
   ground_height_ = rest.low.y;
-  // Extreme shapes must not make the character small: halfway between the first shape and all.
+  // Of a solid character extreme shapes must not make the usual ones small: two thirds of the way
+  // from the first shape to all of them. A flat one is shown with everything it can reach.
+  const float share = flat_ ? 1.0f : 0.65f;
   for (int axis = 0; axis < 3; ++axis) {
-    view_bounds_.low[axis] = (rest.low[axis] + bounds_.low[axis]) / 2;
-    view_bounds_.high[axis] = (rest.high[axis] + bounds_.high[axis]) / 2;
+    view_bounds_.low[axis] = std::lerp(rest.low[axis], bounds_.low[axis], share);
+    view_bounds_.high[axis] = std::lerp(rest.high[axis], bounds_.high[axis], share);
   }
   return CreateSlots();
 }
