@@ -19,6 +19,17 @@ OrbitCamera FrameBounds(const PlayCharacter& character, const Bounds& bounds, fl
                             : OrbitCamera::Frame(bounds, aspect);
 }
 
+// Half way between the rest shape, which is seen first, and all that the examples reach to.
+Bounds FirstView(const Rig& rig) {
+  const Bounds rest = ShapeBounds(rig.mesh(), rig.tables().space, 0);
+  Bounds view = ShapeBounds(rig.mesh(), rig.tables().space);
+  for (int axis = 0; axis < 3; ++axis) {
+    view.low[axis] = (view.low[axis] + rest.low[axis]) / 2;
+    view.high[axis] = (view.high[axis] + rest.high[axis]) / 2;
+  }
+  return view;
+}
+
 Vec3 Minus(Vec3 a, Vec3 b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
@@ -40,9 +51,7 @@ float DotReachPixels(float picture_height) {
 
 PlayControls::PlayControls(PlayCharacter* character, float width, float height)
     : character_(character),
-      camera_(FrameBounds(*character,
-                          ShapeBounds(character->rig().mesh(), character->rig().tables().space),
-                          AspectOf(width, height))),
+      camera_(FrameBounds(*character, FirstView(character->rig()), AspectOf(width, height))),
       width_(width),
       height_(height) {}
 
