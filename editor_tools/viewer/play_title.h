@@ -12,7 +12,7 @@ class PlayTitle {
  public:
   explicit PlayTitle(std::string character);
 
-  void AddSolve(double ms);
+  void AddSolve(double ms);  // one step of the solver
   void AddFrame(const StageTimes& times);
   // True when there is a new text.
   bool Update();

@@ -36,6 +36,9 @@ using Clock = std::chrono::steady_clock;
 // How long to sleep when nothing moves: events end it early, but a gamepad sends none.
 constexpr double kIdleSeconds = 1.0 / 30;
 
+// How much of a frame the solver may take.
+constexpr double kSolveSeconds = 0.004;
+
 double SecondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
@@ -142,11 +145,18 @@ Status PlaySession::HandleInput() {
 }
 
 Status PlaySession::Solve() {
-  if (!character_->moving()) return {};
+  // As many steps as fit, so that the pose does not trail behind the pointer where drawing is slow;
+  // one, always, when a number of frames was asked for: such runs do not depend on the clock.
   const Clock::time_point start = Clock::now();
-  LIMBER_RETURN_IF_ERROR(character_->Step());
-  title_->AddSolve(1e3 * SecondsBetween(start, Clock::now()));
-  redraw_ = true;
+  Clock::time_point step = start, now = start;
+  while (character_->moving()) {
+    LIMBER_RETURN_IF_ERROR(character_->Step());
+    redraw_ = true;
+    now = Clock::now();
+    title_->AddSolve(1e3 * SecondsBetween(step, now));
+    step = now;
+    if (options_.max_frames > 0 || SecondsBetween(start, now) > kSolveSeconds) break;
+  }
   return {};
 }
 

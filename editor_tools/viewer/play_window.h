@@ -20,8 +20,10 @@ struct PlayOptions {
   std::string screenshot_path;   // the last picture, written as PNG before the window closes
   bool validation = false;       // Khronos layer; anything that it says is an error in the end
   bool wait_for_display = true;  // no more frames than the display shows
-  int iterations = 1;            // alternations of the solver a frame
-  float lambda = 0.5f;           // weight of nearness
+  // Alternations of the solver a step. Steps follow each other within a frame until the pose stands
+  // still or four milliseconds have gone; with max_frames it is one step a frame.
+  int iterations = 1;
+  float lambda = 0.5f;  // weight of nearness
 };
 
 // What the mouse, the keys and the gamepad do, a line each: for --help.
