@@ -11,9 +11,10 @@
 namespace limber::test {
 
 // Pins VK_ICD_FILENAMES to Mesa's lavapipe where nothing is pinned yet, so that pictures and
-// messages do not depend on the machine, and keeps its library loaded (the driver frees part of its
-// memory only at process exit, which a leak checker would report after an unload). Call before any
-// use of Vulkan. Returns why there is no Vulkan to test with, or an empty string.
+// messages do not depend on the machine, and keeps the libraries of driver and validation layer
+// loaded (they free part of their memory only at process exit, which a leak checker would report
+// after an unload). Call before any use of Vulkan. Returns why there is no Vulkan to test with, or
+// an empty string.
 std::string PrepareVulkan();
 
 // One device a test program, made at first use; null with a reason where there is none.
