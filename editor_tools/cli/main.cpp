@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -96,5 +97,10 @@ int Main(int argc, char** argv) {
 }  // namespace limber::cli
 
 int main(int argc, char** argv) {
-  return limber::cli::Main(argc, argv);
+  try {
+    return limber::cli::Main(argc, argv);
+  } catch (...) {
+    std::fputs("limber: error: out of memory before the command could start\n", stderr);
+    return limber::cli::kBug;
+  }
 }
