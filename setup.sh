@@ -14,8 +14,8 @@ Checks for the packages that Limber is built, run and tested with, and installs 
   --check      only say what is missing; exit code 1 if something is
   --help       this text
 
-On Debian 12, Ubuntu 24.04 and their relatives packages come through apt-get, as root or with sudo.
-Elsewhere the libraries to install are named.
+On Debian 12 and its relatives packages come through apt-get, as root or with sudo. Elsewhere the
+libraries to install are named.
 TEXT
 }
 
@@ -25,8 +25,8 @@ validator_version=2.0.0-dev.3.10
 groups=(build libraries pictures tests)   # in this order; a demo needs all but the last
 declare -A packages=(
   [build]="cmake ninja-build g++ libc6-dev glslang-tools pkg-config"
-  [libraries]="libeigen3-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libstb-dev libpng-dev libglm-dev
-    libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev"
+  [libraries]="libeigen3-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libstb-dev libpng-dev
+    libglm-dev libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
   [tests]="libgtest-dev libbenchmark-dev vulkan-validationlayers spirv-tools xvfb xauth xdotool
     clang-format clang-tidy shellcheck"
@@ -95,7 +95,7 @@ setup_by_hand() {
   done
   say "no apt-get here. Limber needs, under whatever names your system has for them:"
   say "  build: CMake >= 3.23, Ninja, a C++20 compiler (GCC 12, Clang 15), glslangValidator"
-  say "  libraries: Eigen 3.4, tinygltf, nlohmann-json, CLI11, stb, libpng, Embree 3, GLFW 3,"
+  say "  libraries: Eigen 3.4, tinygltf, nlohmann-json, CLI11, stb, libpng, GLM, Embree 3, GLFW 3,"
   say "    the Vulkan headers and volk"
   say "  to run: a Vulkan 1.1 device (Mesa lavapipe will do); ImageMagick for contact sheets"
   say "  to test: GoogleTest, Google Benchmark, Vulkan validation layers, spirv-val, Xvfb, xdotool, npm"
