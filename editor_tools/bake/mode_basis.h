@@ -17,18 +17,16 @@ struct ModeBasis {
   Eigen::MatrixXd shapes;
 };
 
-// skinning: M of eq. 6, V x n. laplacian: L of eq. 14, V x V, connected. exact: transforms (n x m)
-// whose fields the modes must reach to rounding: those that make the example shapes.
+// skinning: M of eq. 6, V x n. laplacian: L of eq. 14, V x V, connected.
 // Errors: kDegenerate when more than one direction moves vertices without energy (a part that
 // hangs on nothing), kInternal when an eigen-decomposition fails.
 Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
-                                   const Eigen::SparseMatrix<double>& laplacian,
-                                   const Eigen::MatrixXd& exact);
+                                   const Eigen::SparseMatrix<double>& laplacian);
 
-// The transforms that make each example shape (the identity in its own blocks, zero elsewhere),
-// axis by axis: n x S*k.
-Eigen::MatrixXd ExampleTransforms(Eigen::Index num_handles, Eigen::Index num_shapes,
-                                  Eigen::Index k);
+// `shape` (V x k) as nearly as the modes and a translation reach it, nearest in energy: within a
+// millionth of its size if it is an example shape.
+Eigen::MatrixXd ReachableShape(const ModeBasis& basis, const Eigen::SparseMatrix<double>& laplacian,
+                               const Eigen::MatrixXd& shape);
 
 // M of eq. 6 for the shapes given (each V x k) and weights (V x H): V x H*S*(k+1), columns
 // (h, s, i), i = 0..k with the constant 1 last.

@@ -95,23 +95,28 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   const Status stop(StatusCode::kInvalidArgument, "cancelled");
   if (cancelled("tensors", 0)) return stop;
   const std::vector<Eigen::MatrixXd> shapes = ToRigSpace(*input.mesh, *tables);
-  const std::vector<GroupTensors> groups = BuildGroupTensors(shapes, *input.edges, input.num_groups);
   const Eigen::SparseMatrix<double> laplacian =
       SumLaplacian(*input.edges, input.mesh->num_vertices());
   tables->num_groups = input.num_groups;
 
   Result<ModeBasis> basis = ComputeModeBasis(
-      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian,
-      ExampleTransforms(input.weights->cols(), static_cast<Eigen::Index>(shapes.size()),
-                        tables->dimension));
+      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian);
   if (!basis.ok()) return basis.status();
   StoreModes(input, *basis, tables);
   if (cancelled("tensors", 0.5)) return stop;
 
-  const Eigen::MatrixXd mode_edges = ModeEdges(groups, *basis);
+  // Edges of the examples as the modes reach them: a millionth off in length, which on a fine mesh
+  // would be a thousandth of the energy's root, and an example must cost nothing at its own handles.
+  std::vector<Eigen::MatrixXd> reached;
+  for (const Eigen::MatrixXd& shape : shapes) {
+    reached.push_back(ReachableShape(*basis, laplacian, shape));
+  }
+  const std::vector<GroupTensors> reached_groups =
+      BuildGroupTensors(reached, *input.edges, input.num_groups);
+  const Eigen::MatrixXd mode_edges = ModeEdges(reached_groups, *basis);
   tables->mode_edges.clear();
   StoreRows(mode_edges, &tables->mode_edges);
-  Eigen::MatrixXd gram = ResidualGram(groups, mode_edges);
+  Eigen::MatrixXd gram = ResidualGram(reached_groups, mode_edges);
   if (!tables->has_rotations) gram = FoldAxes(gram, tables->dimension);
   const Eigen::MatrixXd factor = PivotedCholesky(std::move(gram), kResidualCut);
   tables->residual_rank = static_cast<int32_t>(factor.rows());
@@ -119,6 +124,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   StoreRows(factor, &tables->residual_factor);
   if (cancelled("tensors", 0.75)) return stop;
 
+  const std::vector<GroupTensors> groups = BuildGroupTensors(shapes, *input.edges, input.num_groups);
   const SingleShapeInput single{&shapes, input.weights, &groups, &laplacian,
                                 &input.handle_vertices};
   return BuildSingleShapeModels(single, tables);

@@ -58,8 +58,7 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
   tables->single_group_factors.clear();
   for (size_t s = 0; s < input.shapes->size(); ++s) {
     Result<ModeBasis> basis = ComputeModeBasis(
-        SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian,
-        ExampleTransforms(input.weights->cols(), 1, k));
+        SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian);
     if (!basis.ok()) return basis.status();
     Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
     modes.leftCols(basis->shapes.cols()) = basis->shapes;

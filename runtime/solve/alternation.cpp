@@ -13,6 +13,7 @@ namespace {
 constexpr double kNearnessFloor = 1e-6;
 constexpr double kSmoothing = 1e-14;   // delta^2 of the convex step
 constexpr double kProximal = 1e-10;    // rho of the convex step
+constexpr double kMatched = 1e-11;     // f that rounding leaves where an example matches exactly
 
 }  // namespace
 
@@ -103,6 +104,7 @@ void Alternation<K>::PrepareConvexStep(const PoseModel& model, double lambda,
   problem->constant = 0.5 * targets.cwiseProduct(answered_targets_).sum();
   problem->delta_squared = kSmoothing * model.energy_scale;
   problem->proximal = kProximal * model.energy_scale;
+  problem->matched = kMatched * model.energy_scale;
 }
 
 // K^_gs = K_z,gs z and its best rotation (eq. 22, 23), of every shape and group; returns the

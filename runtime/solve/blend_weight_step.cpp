@@ -166,6 +166,19 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
   return worst < 0 ? -worst / scale : 0;
 }
 
+// Nothing to gain: f is rounding, and all weights in use are on the nearest examples.
+bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* blend) const {
+  if (value_ > problem.matched) return false;
+  for (int g = 0; g < num_groups_; ++g) {
+    const double* nearness = problem.nearness + g * num_shapes_;
+    const double nearest = *std::min_element(nearness, nearness + num_shapes_);
+    for (int s = 0; s < num_shapes_; ++s) {
+      if (blend[g * num_shapes_ + s] > 0 && nearness[s] > nearest) return false;
+    }
+  }
+  return true;
+}
+
 BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   const int blocks = num_groups_ * num_shapes_;
   const int most_faces = 50 + 8 * blocks;
@@ -174,6 +187,11 @@ BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
     start_[j] = blend[j];
   }
   BlendReport report;
+  UpdateGradient(problem, blend);
+  if (StartIsMatched(problem, blend)) {
+    report.converged = true;
+    return report;
+  }
   double last_value = std::numeric_limits<double>::infinity();
   for (report.faces = 1; report.faces <= most_faces; ++report.faces) {
     CollectFree(blend);

@@ -8,7 +8,9 @@
 //
 // Where several B serve equally well (an example that moves no handle, shapes equal over a group)
 // rounding would choose, differently in each frame. A proximal term rho/2 |B - B_start|^2 within f
-// keeps the start instead; it vanishes as B comes to rest, so it changes no settled answer.
+// keeps the start instead; it vanishes as B comes to rest, so it changes no settled answer. And a
+// start that matches the targets to within the tables' rounding, from the nearest examples alone,
+// is kept as it is: what is left of f there is noise, and to follow it would be to drift.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +34,7 @@ struct BlendProblem {
   double constant = 0;                     // c0
   double delta_squared = 0;                // > 0
   double proximal = 0;                     // rho > 0
+  double matched = 0;                      // f at or below which the targets count as matched
 };
 
 struct BlendReport {
@@ -52,6 +55,7 @@ class BlendWeightStep {
  private:
   struct Step;
 
+  bool StartIsMatched(const BlendProblem& problem, const double* blend) const;
   void CollectFree(const double* blend);
   void UpdateGradient(const BlendProblem& problem, const double* blend);
   Step MinimiserOnFace(const BlendProblem& problem);
