@@ -33,7 +33,7 @@ Vec3 SkinVertex(const SkinMesh& mesh, const SkinTransforms& transforms, uint32_t
 
 }  // namespace
 
-Result<PlayCharacter> PlayCharacter::Create(std::shared_ptr<const Rig> rig,
+Result<PlayCharacter> PlayCharacter::Create(const std::shared_ptr<const Rig>& rig,
                                             const PoseOptions& options) {
   Result<CpuSkinner> skinner = CpuSkinner::Create(rig->mesh(), rig->tables().space);
   if (!skinner.ok()) return skinner.status();
@@ -102,7 +102,7 @@ Status PlayCharacter::EnsurePickable() {
   if (!positions.ok()) return positions.status();
   // A pose that cannot be picked (targets thrown to the end of the number range) can still be
   // reset or dragged back: picks see the last good surface until then.
-  const Status updated = picker_.Update(*positions);
+  Status updated = picker_.Update(*positions);
   if (!updated.ok() && updated.code() != StatusCode::kInvalidArgument) return updated;
   pickable_ = true;
   return {};

@@ -23,7 +23,8 @@ struct PointerHit {
 
 class PlayCharacter {
  public:
-  static Result<PlayCharacter> Create(std::shared_ptr<const Rig> rig, const PoseOptions& options);
+  static Result<PlayCharacter> Create(const std::shared_ptr<const Rig>& rig,
+                                      const PoseOptions& options);
 
   const Rig& rig() const { return state_.rig(); }
 

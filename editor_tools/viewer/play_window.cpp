@@ -195,7 +195,8 @@ Status PlaySession::Finish() {
 
 }  // namespace
 
-Status PlayRig(std::shared_ptr<const Rig> rig, MaterialSet materials, const PlayOptions& options) {
+Status PlayRig(const std::shared_ptr<const Rig>& rig, MaterialSet materials,
+               const PlayOptions& options) {
   PlaySession session(options);
   LIMBER_RETURN_IF_ERROR(session.Open(rig, std::move(materials)));
   LIMBER_RETURN_IF_ERROR(session.Loop());
@@ -207,7 +208,7 @@ Status RunPlay(const PlayOptions& options) {
   if (!rig.ok()) return rig.status();
   Result<MaterialSet> materials = ReadMaterials(options.path);
   if (!materials.ok()) return materials.status();
-  return PlayRig(std::move(*rig), std::move(*materials), options);
+  return PlayRig(*rig, std::move(*materials), options);
 }
 
 }  // namespace limber::viewer

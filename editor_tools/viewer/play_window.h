@@ -35,6 +35,7 @@ extern const char kPlayHelp[];
 Status RunPlay(const PlayOptions& options);
 
 // The same for a rig in memory; options.path is not read.
-Status PlayRig(std::shared_ptr<const Rig> rig, MaterialSet materials, const PlayOptions& options);
+Status PlayRig(const std::shared_ptr<const Rig>& rig, MaterialSet materials,
+               const PlayOptions& options);
 
 }  // namespace limber::viewer

@@ -174,6 +174,9 @@ Status Picker::Impl::Build(const SkinMesh& mesh, std::span<const Vec3> solve_pos
   // Robust: no ray slips between two triangles that share an edge.
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST |
                               RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  // Refitting takes both: at any other quality of the scene Embree builds one tree over all of it,
+  // anew in each commit, whatever the geometry asks for.
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, corners.data(),
                              0, 3 * sizeof(uint32_t), corners.size() / 3);
