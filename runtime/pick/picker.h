@@ -6,8 +6,8 @@
 //
 // A pick allocates nothing and takes no lock; any number of threads may pick at once while nobody
 // updates. Update allocates nothing of Limber's own; Embree's commit takes a lock of its own and
-// makes one small allocation, whatever the size of the mesh. Nothing starts a thread, and the
-// caller's floating-point control word (rounding, flush to zero, exception masks) is left as it was.
+// makes one small allocation, whatever the size of the mesh. Nothing starts a thread. The caller's
+// floating-point control word (rounding, flush to zero, exception masks) is left as it was.
 #pragma once
 
 #include "core/status.h"
