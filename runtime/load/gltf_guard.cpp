@@ -24,10 +24,16 @@ std::string Place(const char* section, size_t index) {
   return std::string(section) + "[" + std::to_string(index) + "]";
 }
 
-// Depth and value count from the bare characters, so that nothing is allocated for a bomb.
+// Depth, members and values counted from the bare characters, so that nothing is allocated for a
+// bomb.
 Status CheckNesting(std::string_view text, const GltfLimits& limits) {
-  int depth = 0;
-  uint64_t num_values = 1;
+  struct Open {
+    bool is_object = false;
+    uint64_t members = 1;
+  };
+
+  std::vector<Open> open;
+  uint64_t num_values = 1, num_member_pairs = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -37,13 +43,21 @@ Status CheckNesting(std::string_view text, const GltfLimits& limits) {
       continue;
     }
     if (c == '"') in_string = true;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
+    if (c == '[' || c == '{') open.push_back({c == '{'});
+    if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
     if (c == ',' || c == '[' || c == '{') ++num_values;
-    if (depth > limits.max_json_depth) {
+    if (c == ',' && !open.empty() && open.back().is_object) {
+      num_member_pairs += open.back().members++;
+    }
+    if (open.size() > static_cast<size_t>(std::max(0, limits.max_json_depth))) {
       return Error(StatusCode::kLimitExceeded,
                    "JSON byte %zu: nested deeper than %d levels; no exporter writes such a file", i,
                    limits.max_json_depth);
+    }
+    if (num_member_pairs > limits.max_json_member_pairs) {
+      return Error(StatusCode::kLimitExceeded,
+                   "JSON byte %zu: objects with too many members; no exporter writes such a file",
+                   i);
     }
   }
   if (num_values > limits.max_json_values) {

@@ -12,6 +12,9 @@ struct GltfLimits {
   uint64_t max_buffer_bytes = 1ull << 30;  // all buffers together, decoded
   int max_json_depth = 64;                 // nested arrays and objects
   uint64_t max_json_values = 4'000'000;
+  // Pairs of members within one object, summed over all objects: JSON that keeps its order looks a
+  // member up by walking along its object, so that n members cost n^2 / 2 steps.
+  uint64_t max_json_member_pairs = 50'000'000;
   uint64_t max_vertices = 1ull << 24;         // draw vertices of one mesh: ids must fit a float
   uint64_t max_triangles = 1ull << 25;        // of one mesh
   uint64_t max_targets = 1024;                // morph targets of one mesh

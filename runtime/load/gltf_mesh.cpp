@@ -192,8 +192,10 @@ class MeshReader {
                        const SkinPrimitive& primitive) {
     const auto num_corners =
         source.indices < 0 ? int64_t{primitive.num_vertices} : AccessorCount(file_, source.indices);
-    const uint64_t most = static_cast<uint64_t>(num_corners) + mesh_.triangles.size() / 3;
-    if (most > 3 * file_.limits().max_triangles) {
+    // Of a strip or fan every corner after the second makes a triangle.
+    const auto added = static_cast<uint64_t>(
+        source.mode == TINYGLTF_MODE_TRIANGLES ? num_corners / 3 : num_corners - 2);
+    if (num_corners > 2 && mesh_.triangles.size() / 3 + added > file_.limits().max_triangles) {
       return Error(StatusCode::kLimitExceeded, "%s: more than %llu triangles",
                    PrimitivePlace(mesh_.mesh, p).c_str(),
                    static_cast<unsigned long long>(file_.limits().max_triangles));

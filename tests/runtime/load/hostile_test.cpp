@@ -120,6 +120,46 @@ TEST(Hostile, DeepJson_IsRefusedBeforeItIsParsed) {
       << "brackets in strings do not nest";
 }
 
+// Ordered JSON finds a member by walking along its object: an object of a million members would
+// take the better part of an hour.
+TEST(Hostile, ObjectsOfVeryManyMembers_AreRefusedBeforeTheyAreParsed) {
+  const auto with_members = [](int num_objects, int num_members) {
+    std::string text = R"({"asset": {"version": "2.0"}, "extras": [)";
+    for (int object = 0; object < num_objects; ++object) {
+      text += object > 0 ? ",{" : "{";
+      for (int member = 0; member < num_members; ++member) {
+        text += (member > 0 ? ",\"" : "\"") + std::to_string(member) + "\":0";
+      }
+      text += "}";
+    }
+    return ParseText(text + "]}").status().code();
+  };
+  EXPECT_EQ(with_members(1, 100000), StatusCode::kLimitExceeded);
+  EXPECT_EQ(with_members(100, 2000), StatusCode::kLimitExceeded) << "one after the other";
+  EXPECT_EQ(with_members(1, 2000), StatusCode::kOk);
+  EXPECT_EQ(with_members(2000, 20), StatusCode::kOk) << "what real files look like";
+}
+
+// Primitives may share their accessors, so that a small file can ask for very many triangles.
+TEST(Hostile, TrianglesOfStripsAndSharedIndices_AreCountedAgainstTheLimit) {
+  SmallGltf gltf;
+  const size_t view = gltf.AddView<uint8_t>({0, 1, 2, 0, 1, 2, 0, 1});
+  Json& primitives = gltf.json["meshes"][0]["primitives"];
+  primitives[0]["indices"] = gltf.AddAccessor(
+      {{"bufferView", view}, {"componentType", 5121}, {"count", 8}, {"type", "SCALAR"}});
+  primitives[0]["mode"] = 5;
+  const auto code_with = [&gltf](uint64_t max_triangles) {
+    GltfLimits limits;
+    limits.max_triangles = max_triangles;
+    return ReadAll(GltfFile::Parse(gltf.Glb(), "strip.glb", limits)).code();
+  };
+  EXPECT_EQ(code_with(6), StatusCode::kOk);
+  EXPECT_EQ(code_with(5), StatusCode::kLimitExceeded);
+  primitives.push_back(primitives[0]);
+  EXPECT_EQ(code_with(12), StatusCode::kOk);
+  EXPECT_EQ(code_with(11), StatusCode::kLimitExceeded);
+}
+
 TEST(Hostile, NodeCycles_AreRefused) {
   SmallGltf gltf;
   gltf.json["nodes"] = {{{"mesh", 0}, {"children", {1}}}, {{"children", {2}}}, {{"children", {0}}}};
