@@ -26,7 +26,9 @@ Result<std::string> ReadTextFile(const std::filesystem::path& path) {
 
 Result<Json> ParseInput(std::string_view text, const std::string& name) {
   GltfLimits limits;
-  limits.max_json_values *= 8;  // a long recording of many handles
+  // A long recording of many handles, each of them a member of its frame.
+  limits.max_json_values *= 8;
+  limits.max_json_member_pairs *= 20;
   Result<Json> root = ParseJson(text, limits);
   if (!root.ok()) return root.status().WithContext(name);
   return root;
