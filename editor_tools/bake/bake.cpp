@@ -1,16 +1,16 @@
 #include "bake/bake.h"
 
-#include <chrono>
-#include <cmath>
-
 #include "bake/edge_groups.h"
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
 #include "bake/skinning_weights.h"
-#include "rig/rest_frames.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
+#include "rig/rest_frames.h"
+
+#include <chrono>
+#include <cmath>
 
 namespace limber::bake {
 namespace {
@@ -23,7 +23,8 @@ constexpr double kWeldTolerance = 1e-6;
 class StageClock {
  public:
   StageClock(const ProgressCallback& progress, std::vector<BakeTiming>* timings)
-      : progress_(progress), timings_(timings) {}
+      : progress_(progress),
+        timings_(timings) {}
 
   // False: cancelled.
   bool Begin(const char* stage, double from, double to) {
@@ -34,12 +35,14 @@ class StageClock {
     begin_ = std::chrono::steady_clock::now();
     return !progress_ || progress_(stage, from);
   }
+
   void End() {
     if (stage_ == nullptr) return;
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
     timings_->push_back({stage_, spent.count()});
     stage_ = nullptr;
   }
+
   // Progress within the stage that runs, mapped to its share of the whole.
   ProgressCallback Inner() const {
     if (!progress_) return {};
@@ -112,7 +115,8 @@ void FillSkinMesh(const RawCharacter& raw, const geometry::SolveMesh& mesh,
   for (const geometry::PointMatrix& shape : mesh.shapes) {
     const geometry::PointMatrix local = (shape.rowwise() - origin.cast<double>()) *
                                         basis.cast<double>() / static_cast<double>(space.scale);
-    for (int v = 0; v < mesh.num_vertices(); ++v) skin->shape_positions.push_back(PointOf(local, v));
+    for (int v = 0; v < mesh.num_vertices(); ++v)
+      skin->shape_positions.push_back(PointOf(local, v));
   }
   skin->solve_vertex = mesh.solve_vertex;
   skin->triangles = raw.triangles;
@@ -144,7 +148,7 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
   }
   geometry::ConnectComponents(&mesh);
   Result<std::vector<ResolvedHandle>> resolved = ResolveHandles(raw, mesh, handles);
-  if (!resolved.ok()) return resolved.status().WithContext(raw.file);
+  if (!resolved.ok()) return resolved.status();
   tables.space = FitRigSpace(mesh.shapes, &tables.dimension);
   tables.shape_names = raw.shape_names;
   tables.has_rotations = options.rotations;
@@ -152,7 +156,8 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
 
   if (!clock.Begin("weights", 0.02, 0.6)) return cancelled;
   std::vector<int> handle_vertices;
-  for (const ResolvedHandle& handle : *resolved) handle_vertices.push_back(handle.vertex);
+  for (const ResolvedHandle& handle : *resolved)
+    handle_vertices.push_back(handle.vertex);
   WeightsReport weights_report;
   Result<Eigen::MatrixXd> weights = BoundedBiharmonicWeights(
       mesh, handle_vertices, options.num_threads, clock.Inner(), &weights_report);
@@ -161,8 +166,8 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
   *weights = weights->cast<float>().cast<double>();
 
   if (!clock.Begin("edge groups", 0.6, 0.65)) return cancelled;
-  const int wanted = options.num_groups > 0 ? options.num_groups
-                                            : 2 * static_cast<int>(handle_vertices.size());
+  const int wanted =
+      options.num_groups > 0 ? options.num_groups : 2 * static_cast<int>(handle_vertices.size());
   ReduceInput input;
   const std::vector<int> groups = ClusterVertices(*weights, wanted, &input.num_groups);
   const std::vector<geometry::GroupEdge> edges = BuildGroupEdges(mesh, groups);

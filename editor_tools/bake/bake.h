@@ -2,22 +2,22 @@
 // Stages: weld, connect, weights, edge groups, reduce. Deterministic: same input, same bytes.
 #pragma once
 
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "core/status.h"
 #include "import/raw_character.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
 namespace limber::bake {
 
 struct BakeOptions {
-  int num_groups = 0;      // G; 0: twice the number of handles (eq. 7, section 5.2)
-  bool rotations = true;   // false: for the formulation without rotations only (smaller file)
-  int num_threads = 0;     // 0: one per core
+  int num_groups = 0;     // G; 0: twice the number of handles (eq. 7, section 5.2)
+  bool rotations = true;  // false: for the formulation without rotations only (smaller file)
+  int num_threads = 0;    // 0: one per core
 };
 
 // Told before each stage and now and then within one; fraction runs from 0 to 1 over the bake.

@@ -1,10 +1,11 @@
 // Edge groups: k-means on the skinning weights (section 5.2), then spokes-and-rims edge weights.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "geometry/solve_mesh.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber::bake {
 

@@ -78,7 +78,8 @@ std::vector<GroupTensors> BuildGroupTensors(const std::vector<Eigen::MatrixXd>& 
   size_t first = 0;
   for (int g = 0; g < num_groups; ++g) {
     size_t last = first;
-    while (last < edges.size() && edges[last].group == g) ++last;
+    while (last < edges.size() && edges[last].group == g)
+      ++last;
     groups.push_back(BuildOne(shapes, std::span(edges).subspan(first, last - first)));
     first = last;
   }
@@ -88,7 +89,8 @@ std::vector<GroupTensors> BuildGroupTensors(const std::vector<Eigen::MatrixXd>& 
 Eigen::SparseMatrix<double> SumLaplacian(const std::vector<GroupEdge>& edges, int num_vertices) {
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(4 * edges.size());
-  for (const GroupEdge& edge : edges) AddEdge(edge.i, edge.j, edge.weight, &triplets);
+  for (const GroupEdge& edge : edges)
+    AddEdge(edge.i, edge.j, edge.weight, &triplets);
   Eigen::SparseMatrix<double> laplacian(num_vertices, num_vertices);
   laplacian.setFromTriplets(triplets.begin(), triplets.end());
   return laplacian;

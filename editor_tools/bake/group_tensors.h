@@ -1,21 +1,22 @@
 // What one edge group contributes to the tensors, kept on the group's own vertices.
 #pragma once
 
+#include "geometry/solve_mesh.h"
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
-#include <vector>
 
-#include "geometry/solve_mesh.h"
+#include <vector>
 
 namespace limber::bake {
 
 // With E_g the |edges of g| x S*k matrix of example edges (columns (s, axis)), A_g the edge
 // difference operator and C_g the diagonal of edge weights c_ge (eq. 14 to 19):
 struct GroupTensors {
-  std::vector<int> vertices;                       // V_g: ascending solve vertices of the group
-  Eigen::SparseMatrix<double> laplacian;           // A_g^T C_g A_g, V_g x V_g
-  Eigen::MatrixXd edge_load;                       // A_g^T C_g E_g, V_g x S*k: K of eq. 17
-  Eigen::MatrixXd shape_gram;                      // E_g^T C_g E_g, S*k x S*k: H of eq. 19
+  std::vector<int> vertices;              // V_g: ascending solve vertices of the group
+  Eigen::SparseMatrix<double> laplacian;  // A_g^T C_g A_g, V_g x V_g
+  Eigen::MatrixXd edge_load;              // A_g^T C_g E_g, V_g x S*k: K of eq. 17
+  Eigen::MatrixXd shape_gram;             // E_g^T C_g E_g, S*k x S*k: H of eq. 19
 
   // The rows of `matrix` (V x anything) that belong to this group's vertices.
   Eigen::MatrixXd Rows(const Eigen::MatrixXd& matrix) const;

@@ -48,11 +48,11 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   const Eigen::VectorXd& motions = motion.eigenvalues();
   const Eigen::Index n = motions.size();
   Eigen::Index first = 0;
-  while (first < n && motions[first] <= kMotionCut * motions[n - 1]) ++first;
+  while (first < n && motions[first] <= kMotionCut * motions[n - 1])
+    ++first;
   const Eigen::Index kept = n - first;
-  const Eigen::MatrixXd moving =
-      motion.eigenvectors().rightCols(kept) *
-      motions.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd moving = motion.eigenvectors().rightCols(kept) *
+                                 motions.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd fields = skinning * moving;
 
   const Eigen::MatrixXd energy_matrix = fields.transpose() * (laplacian * fields);
@@ -68,9 +68,8 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
                  "loose vertices",
                  energies[1], energies[kept - 1]);
   }
-  const Eigen::MatrixXd whiten =
-      energy.eigenvectors().rightCols(num_modes) *
-      energies.tail(num_modes).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd whiten = energy.eigenvectors().rightCols(num_modes) *
+                                 energies.tail(num_modes).cwiseSqrt().cwiseInverse().asDiagonal();
   return ModeBasis{moving * whiten, fields * whiten};
 }
 

@@ -1,10 +1,10 @@
 // Whitened modes of a linear-blend-skinning space: the coordinates that the runtime solves in.
 #pragma once
 
+#include "core/status.h"
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
-
-#include "core/status.h"
 
 namespace limber::bake {
 
@@ -30,7 +30,7 @@ Eigen::MatrixXd ReachableShape(const ModeBasis& basis, const Eigen::SparseMatrix
 
 // M of eq. 6 for the shapes given (each V x k) and weights (V x H): V x H*S*(k+1), columns
 // (h, s, i), i = 0..k with the constant 1 last.
-Eigen::MatrixXd SkinningMatrix(const Eigen::MatrixXd& weights,
-                               const Eigen::MatrixXd* first_shape, int num_shapes);
+Eigen::MatrixXd SkinningMatrix(const Eigen::MatrixXd& weights, const Eigen::MatrixXd* first_shape,
+                               int num_shapes);
 
 }  // namespace limber::bake

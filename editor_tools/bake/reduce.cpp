@@ -62,7 +62,8 @@ Eigen::MatrixXd FoldAxes(const Eigen::MatrixXd& gram, Eigen::Index k) {
   const Eigen::Index size = gram.rows() / k;
   Eigen::MatrixXd folded(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    for (Eigen::Index j = 0; j < size; ++j) folded(i, j) = gram.block(i * k, j * k, k, k).trace();
+    for (Eigen::Index j = 0; j < size; ++j)
+      folded(i, j) = gram.block(i * k, j * k, k, k).trace();
   }
   return folded;
 }
@@ -106,7 +107,8 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   if (cancelled("tensors", 0.5)) return stop;
 
   // Edges of the examples as the modes reach them: a millionth off in length, which on a fine mesh
-  // would be a thousandth of the energy's root, and an example must cost nothing at its own handles.
+  // would be a thousandth of the energy's root, and an example must cost nothing at its own
+  // handles.
   std::vector<Eigen::MatrixXd> reached;
   for (const Eigen::MatrixXd& shape : shapes) {
     reached.push_back(ReachableShape(*basis, laplacian, shape));
@@ -124,7 +126,8 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   StoreRows(factor, &tables->residual_factor);
   if (cancelled("tensors", 0.75)) return stop;
 
-  const std::vector<GroupTensors> groups = BuildGroupTensors(shapes, *input.edges, input.num_groups);
+  const std::vector<GroupTensors> groups =
+      BuildGroupTensors(shapes, *input.edges, input.num_groups);
   const SingleShapeInput single{&shapes, input.weights, &groups, &laplacian,
                                 &input.handle_vertices};
   return BuildSingleShapeModels(single, tables);

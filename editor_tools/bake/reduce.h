@@ -2,18 +2,19 @@
 // RigTables (derivation in REDUCTION.md beside this file; eq. 12 to 19 of Wampler 2016).
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "bake/bake.h"
 #include "geometry/solve_mesh.h"
 #include "rig/rig_tables.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber::bake {
 
 struct ReduceInput {
   const geometry::SolveMesh* mesh = nullptr;
-  const Eigen::MatrixXd* weights = nullptr;                    // V x H
+  const Eigen::MatrixXd* weights = nullptr;  // V x H
   const std::vector<geometry::GroupEdge>* edges = nullptr;
   int num_groups = 0;
   std::vector<int> handle_vertices;

@@ -1,17 +1,17 @@
 // Handles: from wishes to distinct vertices of the welded mesh, or chosen automatically.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "bake/bake.h"
 #include "geometry/solve_mesh.h"
+
+#include <span>
+#include <vector>
 
 namespace limber::bake {
 
 struct ResolvedHandle {
   HandleSpec spec;
-  int vertex = 0;   // solve vertex
+  int vertex = 0;  // solve vertex
 };
 
 // Snaps each wish to a solve vertex. Errors, each naming the handle: kNoHandles (none, or none

@@ -1,10 +1,10 @@
 // Rig space: centred, about one unit large, and planar characters lie in its xy plane.
 #pragma once
 
-#include <span>
-
 #include "geometry/solve_mesh.h"
 #include "rig/rig_tables.h"
+
+#include <span>
 
 namespace limber::bake {
 

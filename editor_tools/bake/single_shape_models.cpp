@@ -1,9 +1,9 @@
 #include "bake/single_shape_models.h"
 
+#include "bake/mode_basis.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-
-#include "bake/mode_basis.h"
 
 namespace limber::bake {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 // that a rank deficient group (one straight row of edges, say) is as good as any other.
 Eigen::MatrixXd UpperFactor(const Eigen::MatrixXd& gram) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-  const Eigen::MatrixXd root = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-                               eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd root =
+      eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root);
   return qr.matrixQR().triangularView<Eigen::Upper>();
 }
@@ -57,8 +57,8 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
   tables->single_edges.clear();
   tables->single_group_factors.clear();
   for (size_t s = 0; s < input.shapes->size(); ++s) {
-    Result<ModeBasis> basis = ComputeModeBasis(
-        SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian);
+    Result<ModeBasis> basis =
+        ComputeModeBasis(SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian);
     if (!basis.ok()) return basis.status();
     Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
     modes.leftCols(basis->shapes.cols()) = basis->shapes;

@@ -1,21 +1,22 @@
 // One FAST model (Jacobson et al. 2012) per example shape: the solves behind D of eq. 10.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "bake/group_tensors.h"
 #include "core/status.h"
 #include "rig/rig_tables.h"
 
+#include <Eigen/Core>
+
+#include <vector>
+
 namespace limber::bake {
 
 struct SingleShapeInput {
-  const std::vector<Eigen::MatrixXd>* shapes = nullptr;   // S of V x k, rig space
-  const Eigen::MatrixXd* weights = nullptr;               // V x H
+  const std::vector<Eigen::MatrixXd>* shapes = nullptr;  // S of V x k, rig space
+  const Eigen::MatrixXd* weights = nullptr;              // V x H
   const std::vector<GroupTensors>* groups = nullptr;
-  const Eigen::SparseMatrix<double>* laplacian = nullptr; // V x V
-  const std::vector<int>* handle_vertices = nullptr;      // H
+  const Eigen::SparseMatrix<double>* laplacian = nullptr;  // V x V
+  const std::vector<int>* handle_vertices = nullptr;       // H
 };
 
 // Fills num_single_modes, single_handle_modes, single_edges and single_group_factors.

@@ -23,7 +23,7 @@ using Eigen::SparseMatrix;
 using Eigen::VectorXd;
 
 constexpr double kNegligibleWeight = 1e-7;  // becomes zero before rows are normalised
-constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
+constexpr int kExpectedIterations = 20;     // of one handle, for the progress display only
 
 // The problem of all handles, split into free vertices and handle vertices.
 struct Split {

@@ -25,8 +25,8 @@ class PointTree {
  private:
   struct Node {
     Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = low;  // bounding box of its points
-    int begin = 0, end = 0;     // points, a range of indices_
-    int children = -1;          // first of two neighbouring nodes, -1 for a leaf
+    int begin = 0, end = 0;                                     // points, a range of indices_
+    int children = -1;  // first of two neighbouring nodes, -1 for a leaf
   };
 
   void Split(int node_index);

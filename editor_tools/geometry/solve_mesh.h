@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -14,19 +15,20 @@ using PointMatrix = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 // An artificial edge that ties a component (an eye, a tooth) to its neighbour, so that it follows
 // and no system is singular. `weight` stands beside cotangent weights.
 struct Bridge {
-  int a = 0, b = 0;   // solve vertices
+  int a = 0, b = 0;  // solve vertices
   double weight = 0;
 };
 
 struct SolveMesh {
-  std::vector<PointMatrix> shapes;                // S of V x 3
-  std::vector<std::array<int, 3>> triangles;      // solve vertices; none repeats a corner
-  std::vector<uint32_t> solve_vertex;             // draw vertex -> solve vertex
-  std::vector<int> component;                     // [V], 0 is the largest component
+  std::vector<PointMatrix> shapes;            // S of V x 3
+  std::vector<std::array<int, 3>> triangles;  // solve vertices; none repeats a corner
+  std::vector<uint32_t> solve_vertex;         // draw vertex -> solve vertex
+  std::vector<int> component;                 // [V], 0 is the largest component
   int num_components = 0;
   std::vector<Bridge> bridges;
 
   int num_vertices() const { return shapes.empty() ? 0 : static_cast<int>(shapes[0].rows()); }
+
   int num_shapes() const { return static_cast<int>(shapes.size()); }
 };
 
@@ -35,7 +37,7 @@ struct SolveMesh {
 struct GroupEdge {
   int group = 0;
   int i = 0, j = 0;
-  double weight = 0;   // c_ge > 0
+  double weight = 0;  // c_ge > 0
 };
 
 }  // namespace limber::geometry

@@ -1,10 +1,10 @@
 // A wish for a handle, from a glTF node, a handle file or the automatic choice; the bake snaps it.
 #pragma once
 
+#include "core/vec3.h"
+
 #include <optional>
 #include <string>
-
-#include "core/vec3.h"
 
 namespace limber::bake {
 

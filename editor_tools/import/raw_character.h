@@ -2,13 +2,14 @@
 // Positions are in mesh space, in double (sums over many targets lose nothing).
 #pragma once
 
+#include "import/handle_spec.h"
+#include "rig/skin_mesh.h"
+
 #include <Eigen/Core>
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "import/handle_spec.h"
-#include "rig/skin_mesh.h"
 
 namespace limber::bake {
 
@@ -16,19 +17,19 @@ namespace limber::bake {
 using PointMatrix = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 struct RawCharacter {
-  std::string file;    // as the user named it, for messages
-  std::string name;    // of the mesh or node
-  int node = -1;       // glTF node that carries the mesh
-  int mesh = -1;       // glTF mesh
+  std::string file;  // as the user named it, for messages
+  std::string name;  // of the mesh or node
+  int node = -1;     // glTF node that carries the mesh
+  int mesh = -1;     // glTF mesh
 
-  std::vector<std::string> shape_names;    // S; [0] is the base unless it was left out
-  std::vector<PointMatrix> shapes;         // S of D x 3, draw vertices, mesh space
-  std::vector<uint32_t> triangles;         // 3 per triangle, draw vertices
+  std::vector<std::string> shape_names;  // S; [0] is the base unless it was left out
+  std::vector<PointMatrix> shapes;       // S of D x 3, draw vertices, mesh space
+  std::vector<uint32_t> triangles;       // 3 per triangle, draw vertices
   std::vector<SkinPrimitive> primitives;
-  std::vector<Vec3> normals;               // D or empty: as in the file, of the base mesh
-  std::vector<float> tangents;             // 4 * D or empty
-  std::vector<float> texcoords;            // 2 * D or empty
-  std::vector<uint32_t> source_vertex;     // D: the source's own vertex order
+  std::vector<Vec3> normals;            // D or empty: as in the file, of the base mesh
+  std::vector<float> tangents;          // 4 * D or empty
+  std::vector<float> texcoords;         // 2 * D or empty
+  std::vector<uint32_t> source_vertex;  // D: the source's own vertex order
   uint32_t num_source_vertices = 0;
 
   std::vector<HandleSpec> marked_handles;  // nodes whose extras mark them as handles

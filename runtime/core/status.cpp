@@ -7,20 +7,34 @@ namespace limber {
 
 const char* StatusCodeName(StatusCode code) {
   switch (code) {
-    case StatusCode::kOk: return "ok";
-    case StatusCode::kInvalidArgument: return "invalid_argument";
-    case StatusCode::kNotFound: return "not_found";
-    case StatusCode::kIoError: return "io_error";
-    case StatusCode::kMalformed: return "malformed";
-    case StatusCode::kUnsupported: return "unsupported";
-    case StatusCode::kVersionMismatch: return "version_mismatch";
-    case StatusCode::kMeshMismatch: return "mesh_mismatch";
-    case StatusCode::kNoExamples: return "no_examples";
-    case StatusCode::kNoHandles: return "no_handles";
-    case StatusCode::kDegenerate: return "degenerate";
-    case StatusCode::kLimitExceeded: return "limit_exceeded";
-    case StatusCode::kDeviceError: return "device_error";
-    case StatusCode::kInternal: return "internal";
+    case StatusCode::kOk:
+      return "ok";
+    case StatusCode::kInvalidArgument:
+      return "invalid_argument";
+    case StatusCode::kNotFound:
+      return "not_found";
+    case StatusCode::kIoError:
+      return "io_error";
+    case StatusCode::kMalformed:
+      return "malformed";
+    case StatusCode::kUnsupported:
+      return "unsupported";
+    case StatusCode::kVersionMismatch:
+      return "version_mismatch";
+    case StatusCode::kMeshMismatch:
+      return "mesh_mismatch";
+    case StatusCode::kNoExamples:
+      return "no_examples";
+    case StatusCode::kNoHandles:
+      return "no_handles";
+    case StatusCode::kDegenerate:
+      return "degenerate";
+    case StatusCode::kLimitExceeded:
+      return "limit_exceeded";
+    case StatusCode::kDeviceError:
+      return "device_error";
+    case StatusCode::kInternal:
+      return "internal";
   }
   return "unknown";
 }

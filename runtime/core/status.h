@@ -13,19 +13,19 @@ namespace limber {
 
 enum class StatusCode {
   kOk = 0,
-  kInvalidArgument,   // the caller's input makes no sense: unknown handle name, wrong count
-  kNotFound,          // a file or a named thing does not exist
-  kIoError,           // the operating system refused: permission, disk full
-  kMalformed,         // the file breaks its own format: truncated, out of range, NaN
-  kUnsupported,       // well formed, but not something Limber reads (Draco, sparse nonsense)
-  kVersionMismatch,   // baked by a version of Limber that this one does not read
-  kMeshMismatch,      // the mesh was changed after it was baked
-  kNoExamples,        // no morph target where one is needed
-  kNoHandles,         // no handle, or none pinned
-  kDegenerate,        // geometry that no answer exists for
-  kLimitExceeded,     // larger than a published limit
-  kDeviceError,       // Vulkan or Embree failed
-  kInternal,          // a bug of Limber's own
+  kInvalidArgument,  // the caller's input makes no sense: unknown handle name, wrong count
+  kNotFound,         // a file or a named thing does not exist
+  kIoError,          // the operating system refused: permission, disk full
+  kMalformed,        // the file breaks its own format: truncated, out of range, NaN
+  kUnsupported,      // well formed, but not something Limber reads (Draco, sparse nonsense)
+  kVersionMismatch,  // baked by a version of Limber that this one does not read
+  kMeshMismatch,     // the mesh was changed after it was baked
+  kNoExamples,       // no morph target where one is needed
+  kNoHandles,        // no handle, or none pinned
+  kDegenerate,       // geometry that no answer exists for
+  kLimitExceeded,    // larger than a published limit
+  kDeviceError,      // Vulkan or Embree failed
+  kInternal,         // a bug of Limber's own
 };
 
 // The name of a code in lower snake case ("mesh_mismatch"), for logs and --json. Static storage.
@@ -35,10 +35,13 @@ const char* StatusCodeName(StatusCode code);
 class [[nodiscard]] Status {
  public:
   Status() = default;
+
   Status(StatusCode code, std::string message) : code_(code), message_(std::move(message)) {}
 
   bool ok() const { return code_ == StatusCode::kOk; }
+
   StatusCode code() const { return code_; }
+
   const std::string& message() const { return message_; }
 
   // The same failure with "context: " in front of its message; success stays success.
@@ -56,18 +59,27 @@ class [[nodiscard]] Status {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}            // NOLINT(google-explicit-constructor)
-  Result(Status status) : status_(std::move(status)) {}    // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+
+  Result(Status status) : status_(std::move(status)) {}  // NOLINT(google-explicit-constructor)
 
   bool ok() const { return value_.has_value(); }
+
   const Status& status() const { return status_; }
+
   // Only when ok().
   T& value() & { return *value_; }
+
   const T& value() const& { return *value_; }
+
   T&& value() && { return std::move(*value_); }
+
   T* operator->() { return &*value_; }
+
   const T* operator->() const { return &*value_; }
+
   T& operator*() & { return *value_; }
+
   const T& operator*() const& { return *value_; }
 
  private:
@@ -78,9 +90,9 @@ class [[nodiscard]] Result {
 }  // namespace limber
 
 // Hands a failed Status to the caller: LIMBER_RETURN_IF_ERROR(Check(x));
-#define LIMBER_RETURN_IF_ERROR(expression)                     \
-  do {                                                         \
+#define LIMBER_RETURN_IF_ERROR(expression)                                    \
+  do {                                                                        \
     if (::limber::Status limber_status = (expression); !limber_status.ok()) { \
-      return limber_status;                                    \
-    }                                                          \
+      return limber_status;                                                   \
+    }                                                                         \
   } while (false)

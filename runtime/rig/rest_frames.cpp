@@ -5,9 +5,18 @@
 namespace limber {
 namespace {
 
-Vec3 Subtract(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec3 AddScaled(Vec3 a, Vec3 b, float f) { return {a.x + f * b.x, a.y + f * b.y, a.z + f * b.z}; }
-float Dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec3 Subtract(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+Vec3 AddScaled(Vec3 a, Vec3 b, float f) {
+  return {a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
+}
+
+float Dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 Vec3 Cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -36,16 +45,17 @@ void ComputeNormals(const std::array<float, 9>& basis, SkinMesh* mesh) {
   std::vector<Vec3> sums(mesh->num_solve_vertices);
   for (size_t t = 0; t < mesh->triangles.size(); t += 3) {
     uint32_t corner[3];
-    for (size_t c = 0; c < 3; ++c) corner[c] = mesh->solve_vertex[mesh->triangles[t + c]];
+    for (size_t c = 0; c < 3; ++c)
+      corner[c] = mesh->solve_vertex[mesh->triangles[t + c]];
     const Vec3 a = mesh->shape_positions[corner[0]];
     const Vec3 area = Cross(Subtract(mesh->shape_positions[corner[1]], a),
                             Subtract(mesh->shape_positions[corner[2]], a));
-    for (uint32_t vertex : corner) sums[vertex] = AddScaled(sums[vertex], area, 1);
+    for (uint32_t vertex : corner)
+      sums[vertex] = AddScaled(sums[vertex], area, 1);
   }
   mesh->rest_normals.resize(mesh->num_draw_vertices);
   for (uint32_t d = 0; d < mesh->num_draw_vertices; ++d) {
-    mesh->rest_normals[d] =
-        Turn(basis, Normalised(sums[mesh->solve_vertex[d]], Vec3{0, 0, 1}));
+    mesh->rest_normals[d] = Turn(basis, Normalised(sums[mesh->solve_vertex[d]], Vec3{0, 0, 1}));
   }
 }
 
@@ -77,9 +87,9 @@ void ComputeTangents(const std::array<float, 9>& basis, SkinMesh* mesh) {
   for (uint32_t d = 0; d < mesh->num_draw_vertices; ++d) {
     const Vec3 normal = mesh->rest_normals[d];
     const Vec3 u = Turn(basis, along_u[d]), v = Turn(basis, along_v[d]);
-    const Vec3 tangent =
-        Normalised(AddScaled(u, normal, -Dot(u, normal)), AnyOrthogonal(normal));
-    for (int axis = 0; axis < 3; ++axis) mesh->rest_tangents[4 * size_t{d} + axis] = tangent[axis];
+    const Vec3 tangent = Normalised(AddScaled(u, normal, -Dot(u, normal)), AnyOrthogonal(normal));
+    for (int axis = 0; axis < 3; ++axis)
+      mesh->rest_tangents[4 * size_t{d} + axis] = tangent[axis];
     mesh->rest_tangents[4 * size_t{d} + 3] = Dot(Cross(normal, tangent), v) < 0 ? -1.0f : 1.0f;
   }
 }

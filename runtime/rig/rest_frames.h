@@ -1,9 +1,9 @@
 // Rest normals and tangents for meshes whose file has none.
 #pragma once
 
-#include <array>
-
 #include "rig/skin_mesh.h"
+
+#include <array>
 
 namespace limber {
 

@@ -1,11 +1,11 @@
 #include "rig/rig.h"
 
+#include "rig/rig_fields.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <set>
-
-#include "rig/rig_fields.h"
 
 namespace limber {
 namespace {
@@ -56,7 +56,8 @@ Status CheckSpace(const RigSpace& space) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
       float dot = 0;
-      for (int a = 0; a < 3; ++a) dot += space.basis[3 * i + a] * space.basis[3 * j + a];
+      for (int a = 0; a < 3; ++a)
+        dot += space.basis[3 * i + a] * space.basis[3 * j + a];
       if (std::abs(dot - (i == j ? 1.0f : 0.0f)) > 1e-3f) {
         return Error(StatusCode::kMalformed, "space: basis columns %d and %d are not orthonormal",
                      j, i);
@@ -95,8 +96,7 @@ Status CheckTables(const RigTables& tables) {
   LIMBER_RETURN_IF_ERROR(Expect("number of groups", tables.num_groups, 1, kMaxGroups));
   const int n = tables.num_transform_rows();
   const int num_columns = tables.num_groups * tables.num_shapes() * tables.dimension;
-  LIMBER_RETURN_IF_ERROR(Expect("number of modes", tables.num_modes, 0,
-                                std::min(n, kMaxModes)));
+  LIMBER_RETURN_IF_ERROR(Expect("number of modes", tables.num_modes, 0, std::min(n, kMaxModes)));
   LIMBER_RETURN_IF_ERROR(Expect("residual rank", tables.residual_rank, 0, num_columns));
   LIMBER_RETURN_IF_ERROR(Expect("number of single modes", tables.num_single_modes, 0,
                                 tables.num_handles() * (tables.dimension + 1)));
@@ -106,7 +106,8 @@ Status CheckTables(const RigTables& tables) {
                                    const std::vector<int64_t>& shape) {
     if (!status.ok()) return;
     int64_t expected = 1;
-    for (int64_t length : shape) expected *= length;
+    for (int64_t length : shape)
+      expected *= length;
     status = CheckSize(name, table.size(), static_cast<size_t>(expected));
     if (status.ok()) status = CheckFinite(name, table.data(), table.size());
   });
@@ -117,7 +118,8 @@ Status CheckMesh(const SkinMesh& mesh) {
   const size_t num_solve = mesh.num_solve_vertices, num_draw = mesh.num_draw_vertices;
   const auto num_shapes = static_cast<size_t>(mesh.num_shapes);
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
-  LIMBER_RETURN_IF_ERROR(CheckSize("skinning weights", mesh.weights.size(), num_solve * num_handles));
+  LIMBER_RETURN_IF_ERROR(
+      CheckSize("skinning weights", mesh.weights.size(), num_solve * num_handles));
   LIMBER_RETURN_IF_ERROR(
       CheckSize("shape positions", mesh.shape_positions.size(), num_solve * num_shapes));
   LIMBER_RETURN_IF_ERROR(CheckSize("weld", mesh.solve_vertex.size(), num_draw));
@@ -137,8 +139,7 @@ Status CheckMesh(const SkinMesh& mesh) {
   LIMBER_RETURN_IF_ERROR(CheckIndices("triangles", mesh.triangles, mesh.num_draw_vertices));
   LIMBER_RETURN_IF_ERROR(
       CheckIndices("source vertices", mesh.source_vertex, mesh.num_source_vertices));
-  LIMBER_RETURN_IF_ERROR(
-      CheckFinite("skinning weights", mesh.weights.data(), mesh.weights.size()));
+  LIMBER_RETURN_IF_ERROR(CheckFinite("skinning weights", mesh.weights.data(), mesh.weights.size()));
   for (const SkinPrimitive& primitive : mesh.primitives) {
     if (uint64_t{primitive.first_vertex} + primitive.num_vertices > num_draw ||
         uint64_t{primitive.first_triangle} + primitive.num_triangles > mesh.num_triangles()) {

@@ -2,12 +2,12 @@
 // the loader or straight from the bake, then read by any number of threads without a lock.
 #pragma once
 
-#include <memory>
-#include <string>
-
 #include "core/status.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
+
+#include <memory>
+#include <string>
 
 namespace limber {
 
@@ -20,16 +20,23 @@ class Rig {
                                                    SkinMesh mesh);
 
   const std::string& name() const { return name_; }
+
   const RigTables& tables() const { return tables_; }
+
   const SkinMesh& mesh() const { return mesh_; }
 
   int dimension() const { return tables_.dimension; }
+
   int num_handles() const { return tables_.num_handles(); }
+
   int num_shapes() const { return tables_.num_shapes(); }
+
   int num_groups() const { return tables_.num_groups; }
+
   // Diagonal of the first example shape's bounding box, in mesh units: the size that tolerances
   // are relative to.
   float diagonal() const { return diagonal_; }
+
   // The handle of that name, -1 if there is none.
   int FindHandle(const std::string& handle_name) const;
 

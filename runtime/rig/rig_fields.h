@@ -2,10 +2,10 @@
 // To add a table to the format: add it to RigTables, add a line here, raise kRigFormatVersion.
 #pragma once
 
+#include "rig/rig_tables.h"
+
 #include <cstdint>
 #include <vector>
-
-#include "rig/rig_tables.h"
 
 namespace limber {
 

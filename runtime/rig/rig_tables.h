@@ -17,12 +17,12 @@
 // Rows of T^ are ordered (h, s, i), i = 0..k, the translation last.
 #pragma once
 
+#include "core/vec3.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "core/vec3.h"
 
 namespace limber {
 
@@ -48,22 +48,22 @@ struct RigHandle {
 
 // The reduced model; each table row-major with the shape in brackets, sizes as above.
 struct RigTables {
-  int32_t dimension = 3;          // k
-  int32_t num_groups = 0;         // G
-  int32_t num_modes = 0;          // r: whitened energy modes, r <= n - 1
-  int32_t residual_rank = 0;      // rank of F
-  int32_t num_single_modes = 0;   // r1 <= H*(k+1) - 1: modes of the models of one shape (for D)
-  bool has_rotations = true;      // false: baked for the formulation without rotations only
+  int32_t dimension = 3;         // k
+  int32_t num_groups = 0;        // G
+  int32_t num_modes = 0;         // r: whitened energy modes, r <= n - 1
+  int32_t residual_rank = 0;     // rank of F
+  int32_t num_single_modes = 0;  // r1 <= H*(k+1) - 1: modes of the models of one shape (for D)
+  bool has_rotations = true;     // false: baked for the formulation without rotations only
   RigSpace space;
-  std::vector<RigHandle> handles;         // H of them
-  std::vector<std::string> shape_names;   // S of them, in the order of the example shapes
+  std::vector<RigHandle> handles;        // H of them
+  std::vector<std::string> shape_names;  // S of them, in the order of the example shapes
 
-  std::vector<float> mode_transforms;     // [n][1 + r]: phi_0 | Phi_1
-  std::vector<float> handle_modes;        // [H][1 + r]: row of M at the handle's vertex, times Phi
-  std::vector<float> mode_edges;          // [G][S][k][r]: K_z
-  std::vector<float> residual_factor;     // [rank][G*S*k]: F, columns (g, s, axis);
-                                          // without rotations [rank][G*S]: F^T F is then the Gram
-                                          // matrix of whole shapes, traces over axes taken
+  std::vector<float> mode_transforms;  // [n][1 + r]: phi_0 | Phi_1
+  std::vector<float> handle_modes;     // [H][1 + r]: row of M at the handle's vertex, times Phi
+  std::vector<float> mode_edges;       // [G][S][k][r]: K_z
+  std::vector<float> residual_factor;  // [rank][G*S*k]: F, columns (g, s, axis);
+                                       // without rotations [rank][G*S]: F^T F is then the Gram
+                                       // matrix of whole shapes, traces over axes taken
   // One FAST model (Jacobson et al. 2012) for each example shape, of which D is made. With
   // m = r1 + k, the energy of group g is E_g = |U [z; -R^T]|^2, U upper triangular, packed by rows.
   std::vector<float> single_handle_modes;   // [S][H][1 + r1]
@@ -71,7 +71,9 @@ struct RigTables {
   std::vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
 
   int num_handles() const { return static_cast<int>(handles.size()); }
+
   int num_shapes() const { return static_cast<int>(shape_names.size()); }
+
   int num_transform_rows() const { return num_handles() * num_shapes() * (dimension + 1); }  // n
 };
 

@@ -6,28 +6,28 @@
 // example shape share it, so a seam cannot crack. Skinning runs over solve vertices.
 #pragma once
 
+#include "core/vec3.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "core/vec3.h"
-
 namespace limber {
 
 struct SkinPrimitive {
-  uint32_t first_vertex = 0, num_vertices = 0;      // draw vertices
+  uint32_t first_vertex = 0, num_vertices = 0;  // draw vertices
   uint32_t first_triangle = 0, num_triangles = 0;
-  int32_t gltf_primitive = 0;                       // index within the glTF mesh
-  int32_t material = -1;                            // glTF material, -1 for the default one
+  int32_t gltf_primitive = 0;  // index within the glTF mesh
+  int32_t material = -1;       // glTF material, -1 for the default one
 };
 
 struct SkinMesh {
-  uint32_t num_solve_vertices = 0;   // V
-  uint32_t num_draw_vertices = 0;    // D
+  uint32_t num_solve_vertices = 0;  // V
+  uint32_t num_draw_vertices = 0;   // D
   int32_t num_handles = 0, num_shapes = 0;
 
-  std::vector<float> weights;        // [V][H]: W, rows sum to one
-  std::vector<Vec3> shape_positions; // [S][V], rig space
+  std::vector<float> weights;          // [V][H]: W, rows sum to one
+  std::vector<Vec3> shape_positions;   // [S][V], rig space
   std::vector<uint32_t> solve_vertex;  // [D]: draw vertex -> solve vertex
   std::vector<uint32_t> triangles;     // [3 * num_triangles] draw vertices, counter-clockwise
   std::vector<SkinPrimitive> primitives;

@@ -6,9 +6,9 @@
 // units and only `origin` remains to be added (kept apart: it would cost digits in the sum).
 #pragma once
 
-#include <span>
-
 #include "core/vec3.h"
+
+#include <span>
 
 namespace limber {
 

@@ -1,9 +1,9 @@
 #include "solve/alternation.h"
 
+#include "core/rotation_fit.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "core/rotation_fit.h"
 
 namespace limber {
 namespace {
@@ -11,9 +11,9 @@ namespace {
 // All relative to the energy of one example's edges. Tables in single precision leave about 3e-7 of
 // its root in sqrt(D), so shapes that fit the targets better than the floor fit equally well.
 constexpr double kNearnessFloor = 1e-6;
-constexpr double kSmoothing = 1e-14;   // delta^2 of the convex step
-constexpr double kProximal = 1e-10;    // rho of the convex step
-constexpr double kMatched = 1e-11;     // f that rounding leaves where an example matches exactly
+constexpr double kSmoothing = 1e-14;  // delta^2 of the convex step
+constexpr double kProximal = 1e-10;   // rho of the convex step
+constexpr double kMatched = 1e-11;    // f that rounding leaves where an example matches exactly
 
 }  // namespace
 
@@ -75,7 +75,8 @@ template <int K>
 void Alternation<K>::ResetToRest(const PoseModel& model) {
   HoldRotationsAtIdentity();
   std::fill(blend_.begin(), blend_.end(), 0.0);
-  for (int g = 0; g < model.num_groups; ++g) blend_[g * model.num_shapes] = 1;
+  for (int g = 0; g < model.num_groups; ++g)
+    blend_[g * model.num_shapes] = 1;
   energy_.MinimiseModes(model, targets, blend_.data(), rotations_, &modes_, &translation_);
   if (!model.rig->tables().has_rotations) return;
   FitRotations(model);
@@ -117,7 +118,8 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
     for (int c = 0; c < K; ++c) {
       const double mode = modes_(m, c);
       double* fit = fits_.col(c).data();
-      for (Eigen::Index i = 0; i < fits_.rows(); ++i) fit[i] += mode * static_cast<double>(edges[i]);
+      for (Eigen::Index i = 0; i < fits_.rows(); ++i)
+        fit[i] += mode * static_cast<double>(edges[i]);
     }
   }
   double change = 0;
@@ -158,7 +160,8 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
 template <int K>
 double Alternation<K>::ElasticRoot(const PoseModel& model, double* nearness) {
   *nearness = 0;
-  for (size_t i = 0; i < blend_.size(); ++i) *nearness += blend_[i] * nearness_[i];
+  for (size_t i = 0; i < blend_.size(); ++i)
+    *nearness += blend_[i] * nearness_[i];
   return std::sqrt(energy_.Value(model, blend_.data(), rotations_));
 }
 
@@ -174,7 +177,8 @@ void Alternation<K>::Transforms(const PoseModel& model,
     for (int m = 0; m < model.num_modes; ++m) {
       const float* transforms = model.mode_transforms.col(1 + m).data();
       const double mode = modes_(m, c);
-      for (Eigen::Index i = 0; i < n; ++i) result[i] += mode * static_cast<double>(transforms[i]);
+      for (Eigen::Index i = 0; i < n; ++i)
+        result[i] += mode * static_cast<double>(transforms[i]);
     }
   }
 }

@@ -1,10 +1,10 @@
 #include "solve/blend_weight_step.h"
 
+#include "solve/dense_cholesky.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "solve/dense_cholesky.h"
 
 namespace limber {
 namespace {
@@ -20,7 +20,8 @@ struct BlendWeightStep::Step {
 };
 
 BlendWeightStep::BlendWeightStep(int num_groups, int num_shapes)
-    : num_groups_(num_groups), num_shapes_(num_shapes) {
+    : num_groups_(num_groups),
+      num_shapes_(num_shapes) {
   const auto blocks = static_cast<size_t>(num_groups) * static_cast<size_t>(num_shapes);
   const size_t most_free = blocks - static_cast<size_t>(num_groups);
   is_free_.resize(blocks);
@@ -52,11 +53,13 @@ void BlendWeightStep::CollectFree(const double* blend) {
 
 void BlendWeightStep::UpdateGradient(const BlendProblem& problem, const double* blend) {
   const int blocks = num_groups_ * num_shapes_;
-  for (int i = 0; i < blocks; ++i) gradient_[i] = 0;
+  for (int i = 0; i < blocks; ++i)
+    gradient_[i] = 0;
   for (int j = 0; j < blocks; ++j) {
     if (blend[j] == 0) continue;
     const double* column = problem.quadratic->Column(j);
-    for (int i = 0; i < blocks; ++i) gradient_[i] += blend[j] * column[i];
+    for (int i = 0; i < blocks; ++i)
+      gradient_[i] += blend[j] * column[i];
   }
   double value = problem.constant;  // 1/2 B.(Q B - 2 l) + c0
   for (int i = 0; i < blocks; ++i) {
@@ -90,17 +93,22 @@ BlendWeightStep::Step BlendWeightStep::MinimiserOnFace(const BlendProblem& probl
   }
   CholeskyFactor(hessian_.data(), size);
   double reached = value_;
-  for (int a = 0; a < size; ++a) slope_[a] = -newton_[a];  // reduced gradient of f, kept for f(u)
+  for (int a = 0; a < size; ++a)
+    slope_[a] = -newton_[a];  // reduced gradient of f, kept for f(u)
   CholeskySolve(hessian_.data(), size, newton_.data());
-  for (int a = 0; a < size; ++a) reached += 0.5 * slope_[a] * newton_[a];
+  for (int a = 0; a < size; ++a)
+    reached += 0.5 * slope_[a] * newton_[a];
   reached = std::max(reached, 0.0) + problem.delta_squared;
-  for (int a = 0; a < size; ++a) slope_[a] = -direction_[a];
+  for (int a = 0; a < size; ++a)
+    slope_[a] = -direction_[a];
   CholeskySolve(hessian_.data(), size, direction_.data());
   double m_squared = 0;
-  for (int a = 0; a < size; ++a) m_squared -= slope_[a] * direction_[a];
+  for (int a = 0; a < size; ++a)
+    m_squared -= slope_[a] * direction_[a];
   if (2 * m_squared >= 1) return Step{true};
   const double tau = 2 * std::sqrt(reached / (1 - 2 * m_squared));
-  for (int a = 0; a < size; ++a) newton_[a] += tau * direction_[a];
+  for (int a = 0; a < size; ++a)
+    newton_[a] += tau * direction_[a];
   return Step{false};
 }
 
@@ -142,7 +150,8 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
   const double half = 0.5 / std::sqrt(value_ + problem.delta_squared);
   const auto slope = [&](int j) { return half * gradient_[j] + problem.nearness[j]; };
   double scale = 0;
-  for (int j = 0; j < num_groups_ * num_shapes_; ++j) scale = std::max(scale, std::abs(slope(j)));
+  for (int j = 0; j < num_groups_ * num_shapes_; ++j)
+    scale = std::max(scale, std::abs(slope(j)));
   double worst = 0;
   int worst_block = -1;
   for (int g = 0; g < num_groups_; ++g) {
@@ -201,7 +210,8 @@ BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
     // Freeing one weight in every group at once is quick; where that gained nothing (degenerate
     // corners), one at a time always does.
     double objective = std::sqrt(value_ + problem.delta_squared);
-    for (int j = 0; j < blocks; ++j) objective += problem.nearness[j] * blend[j];
+    for (int j = 0; j < blocks; ++j)
+      objective += problem.nearness[j] * blend[j];
     const bool gained = objective < last_value * (1 - 1e-14);
     last_value = objective;
     report.violation = ReleaseBound(problem, blend, !gained);

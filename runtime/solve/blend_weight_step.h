@@ -28,19 +28,19 @@ class QuadraticColumns {
 
 struct BlendProblem {
   int num_groups = 0, num_shapes = 0;
-  QuadraticColumns* quadratic = nullptr;   // Q
-  const double* linear = nullptr;          // l, G*S
-  const double* nearness = nullptr;        // lambda sqrt(D), G*S, all >= 0
-  double constant = 0;                     // c0
-  double delta_squared = 0;                // > 0
-  double proximal = 0;                     // rho > 0
-  double matched = 0;                      // f at or below which the targets count as matched
+  QuadraticColumns* quadratic = nullptr;  // Q
+  const double* linear = nullptr;         // l, G*S
+  const double* nearness = nullptr;       // lambda sqrt(D), G*S, all >= 0
+  double constant = 0;                    // c0
+  double delta_squared = 0;               // > 0
+  double proximal = 0;                    // rho > 0
+  double matched = 0;                     // f at or below which the targets count as matched
 };
 
 struct BlendReport {
-  int faces = 0;             // faces visited
-  double violation = 0;      // largest negative multiplier left, relative to the largest gradient
-  bool converged = false;    // false: the visit limit was reached; B is feasible all the same
+  int faces = 0;           // faces visited
+  double violation = 0;    // largest negative multiplier left, relative to the largest gradient
+  bool converged = false;  // false: the visit limit was reached; B is feasible all the same
 };
 
 class BlendWeightStep {
@@ -63,14 +63,14 @@ class BlendWeightStep {
   double ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only);
 
   int num_groups_, num_shapes_;
-  std::vector<uint8_t> is_free_;     // [G*S]
-  std::vector<int> free_;            // free weights that are not their group's reference
-  std::vector<int> reference_;       // [G]: the free weight that the others of the group trade with
-  std::vector<double> gradient_;     // [G*S] of f: Q B - l + rho (B - B_start)
-  std::vector<double> hessian_;      // reduced, free x free
-  std::vector<double> newton_, slope_, direction_;   // [free]
-  std::vector<double> start_;        // [G*S]: B at the call
-  double value_ = 0;                 // f(B), the proximal term included
+  std::vector<uint8_t> is_free_;  // [G*S]
+  std::vector<int> free_;         // free weights that are not their group's reference
+  std::vector<int> reference_;    // [G]: the free weight that the others of the group trade with
+  std::vector<double> gradient_;  // [G*S] of f: Q B - l + rho (B - B_start)
+  std::vector<double> hessian_;   // reduced, free x free
+  std::vector<double> newton_, slope_, direction_;  // [free]
+  std::vector<double> start_;                       // [G*S]: B at the call
+  double value_ = 0;                                // f(B), the proximal term included
 };
 
 }  // namespace limber

@@ -17,8 +17,7 @@ ConstraintSystem ConstraintSystem::Create(Eigen::MatrixXd modes) {
     if (eigen.eigenvalues()[i] > threshold) inverse[i] = 1 / eigen.eigenvalues()[i];
   }
   ConstraintSystem system;
-  system.response =
-      eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  system.response = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::RowVectorXd mean = Eigen::RowVectorXd::Constant(c, 1.0 / static_cast<double>(c));
   system.translation = mean - (mean * modes) * modes.transpose() * system.response;
   system.modes = std::move(modes);

@@ -12,13 +12,15 @@ inline void CholeskyFactor(double* a, int size) {
     double* row_j = a + static_cast<long>(j) * size;
     double pivot = row_j[j];
     const double smallest = 1e-15 * std::abs(pivot) + 1e-300;
-    for (int m = 0; m < j; ++m) pivot -= row_j[m] * row_j[m];
+    for (int m = 0; m < j; ++m)
+      pivot -= row_j[m] * row_j[m];
     pivot = std::sqrt(pivot > smallest ? pivot : smallest);
     row_j[j] = pivot;
     for (int i = j + 1; i < size; ++i) {
       double* row_i = a + static_cast<long>(i) * size;
       double sum = row_i[j];
-      for (int m = 0; m < j; ++m) sum -= row_i[m] * row_j[m];
+      for (int m = 0; m < j; ++m)
+        sum -= row_i[m] * row_j[m];
       row_i[j] = sum / pivot;
     }
   }
@@ -28,12 +30,14 @@ inline void CholeskyFactor(double* a, int size) {
 inline void CholeskySolve(const double* l, int size, double* x) {
   for (int i = 0; i < size; ++i) {
     double sum = x[i];
-    for (int m = 0; m < i; ++m) sum -= l[static_cast<long>(i) * size + m] * x[m];
+    for (int m = 0; m < i; ++m)
+      sum -= l[static_cast<long>(i) * size + m] * x[m];
     x[i] = sum / l[static_cast<long>(i) * size + i];
   }
   for (int i = size - 1; i >= 0; --i) {
     double sum = x[i];
-    for (int m = i + 1; m < size; ++m) sum -= l[static_cast<long>(m) * size + i] * x[m];
+    for (int m = i + 1; m < size; ++m)
+      sum -= l[static_cast<long>(m) * size + i] * x[m];
     x[i] = sum / l[static_cast<long>(i) * size + i];
   }
 }

@@ -23,7 +23,8 @@ void NearnessStep<K>::SolveModes(const PoseModel& model, int shape, const Modes&
     const Rotation& rotation = rotations[g * model.num_shapes + shape];
     for (int axis = 0; axis < K; ++axis, edges += r1) {
       for (Eigen::Index m = 0; m < r1; ++m) {
-        for (int c = 0; c < K; ++c) modes_(m, c) += edges[m] * rotation(c, axis);
+        for (int c = 0; c < K; ++c)
+          modes_(m, c) += edges[m] * rotation(c, axis);
       }
     }
   }
@@ -38,13 +39,13 @@ template <int K>
 typename NearnessStep<K>::Rotation NearnessStep<K>::FitGroup(const PoseModel& model, int shape,
                                                              int group) const {
   const Eigen::Index r1 = model.num_single_modes;
-  const float* edges =
-      model.rig->tables().single_edges.data() +
-      (static_cast<Eigen::Index>(shape) * model.num_groups + group) * K * r1;
+  const float* edges = model.rig->tables().single_edges.data() +
+                       (static_cast<Eigen::Index>(shape) * model.num_groups + group) * K * r1;
   Rotation fit = Rotation::Zero();
   for (int axis = 0; axis < K; ++axis, edges += r1) {
     for (Eigen::Index m = 0; m < r1; ++m) {
-      for (int c = 0; c < K; ++c) fit(axis, c) += edges[m] * modes_(m, c);
+      for (int c = 0; c < K; ++c)
+        fit(axis, c) += edges[m] * modes_(m, c);
     }
   }
   return FitRotation<K>(fit);
@@ -55,9 +56,9 @@ template <int K>
 double NearnessStep<K>::GroupEnergy(const PoseModel& model, int shape, int group,
                                     const Rotation& rotation) {
   const Eigen::Index size = model.num_single_modes + K;
-  const float* factor = model.rig->tables().single_group_factors.data() +
-                        (static_cast<Eigen::Index>(shape) * model.num_groups + group) * size *
-                            (size + 1) / 2;
+  const float* factor =
+      model.rig->tables().single_group_factors.data() +
+      (static_cast<Eigen::Index>(shape) * model.num_groups + group) * size * (size + 1) / 2;
   stacked_.template bottomRows<K>() = -rotation.transpose();
   double energy = 0;
   for (Eigen::Index row = 0; row < size; ++row) {

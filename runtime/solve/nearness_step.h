@@ -2,10 +2,11 @@
 // local/global iteration of a FAST model (Jacobson et al. 2012) per shape, warm-started.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "solve/pose_model.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber {
 
@@ -28,9 +29,9 @@ class NearnessStep {
   Rotation FitGroup(const PoseModel& model, int shape, int group) const;
   double GroupEnergy(const PoseModel& model, int shape, int group, const Rotation& rotation);
 
-  Modes modes_;              // z, r1 x k
-  Modes gap_, answer_;       // X - C b and y, c x k
-  Modes stacked_;            // [z; -R^T], (r1 + k) x k
+  Modes modes_;         // z, r1 x k
+  Modes gap_, answer_;  // X - C b and y, c x k
+  Modes stacked_;       // [z; -R^T], (r1 + k) x k
 };
 
 extern template class NearnessStep<2>;

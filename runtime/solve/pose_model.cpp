@@ -28,7 +28,8 @@ Eigen::MatrixXd ConstraintGram(const PoseModel& model, bool folded) {
   const Eigen::MatrixXd answered = model.constraint_load * model.constraints.response;
   if (!folded) return answered * model.constraint_load.transpose();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(model.num_blocks, model.num_blocks);
-  using Strided = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
+  using Strided =
+      Eigen::Map<const Eigen::MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
   const Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic> stride(model.constraint_load.rows(), model.k);
   for (int axis = 0; axis < model.k; ++axis) {
     const Strided left(answered.data() + axis, model.num_blocks, answered.cols(), stride);
@@ -53,8 +54,10 @@ void BuildGram(const RigTables& tables, PoseModel* model) {
 // tr H summed over shapes, from H = F^T F + K_z K_z^T.
 double SumOfEdgeEnergies(const RigTables& tables) {
   double sum = 0;
-  for (float value : tables.residual_factor) sum += static_cast<double>(value) * value;
-  for (float value : tables.mode_edges) sum += static_cast<double>(value) * value;
+  for (float value : tables.residual_factor)
+    sum += static_cast<double>(value) * value;
+  for (float value : tables.mode_edges)
+    sum += static_cast<double>(value) * value;
   return sum;
 }
 
@@ -95,8 +98,7 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const
   }
   model->mode_edges = MapTable(tables.mode_edges, model->num_blocks * model->k, r);
   model->mode_transforms = MapTable(tables.mode_transforms, tables.num_transform_rows(), 1 + r);
-  model->constraint_load =
-      model->mode_edges.cast<double>() * model->constraints.modes.transpose();
+  model->constraint_load = model->mode_edges.cast<double>() * model->constraints.modes.transpose();
   BuildGram(tables, model.get());
   model->energy_scale = 0.5 * SumOfEdgeEnergies(tables) / model->num_shapes;
   model->rig = std::move(rig);

@@ -1,13 +1,14 @@
 // What follows from a rig and its pinned handles, shared by all its characters. Immutable.
 #pragma once
 
-#include <Eigen/Core>
-#include <memory>
-#include <vector>
-
 #include "core/status.h"
 #include "rig/rig.h"
 #include "solve/constraint_system.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <vector>
 
 namespace limber {
 
@@ -19,12 +20,12 @@ class PoseModel {
 
   std::shared_ptr<const Rig> rig;
   int k = 0, num_groups = 0, num_shapes = 0, num_modes = 0, num_single_modes = 0;  // k G S r r1
-  int num_blocks = 0;                       // G*S, numbered g*S + s
-  std::vector<int> pinned;                  // c handles, ascending
-  std::vector<int> pin_of_handle;           // [H]: index into pinned, -1 for a free handle
+  int num_blocks = 0;              // G*S, numbered g*S + s
+  std::vector<int> pinned;         // c handles, ascending
+  std::vector<int> pin_of_handle;  // [H]: index into pinned, -1 for a free handle
 
-  ConstraintSystem constraints;             // on the full model
-  std::vector<ConstraintSystem> single_constraints;   // S, on the models of one shape
+  ConstraintSystem constraints;                      // on the full model
+  std::vector<ConstraintSystem> single_constraints;  // S, on the models of one shape
   // Rows (g, s, axis) of K_z C^T: what the examples' edges ask of the pinned points. G*S*k x c.
   Eigen::MatrixXd constraint_load;
   // The energy left after the transforms are eliminated: blocks F_i^T F_j + V_i^T W V_j, of which

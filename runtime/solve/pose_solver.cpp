@@ -1,12 +1,12 @@
 #include "solve/pose_solver.h"
 
+#include "solve/alternation.h"
+#include "solve/pose_model.h"
+
 #include <algorithm>
 #include <cmath>
 #include <variant>
 #include <vector>
-
-#include "solve/alternation.h"
-#include "solve/pose_model.h"
 
 namespace limber {
 namespace {
@@ -29,8 +29,8 @@ class PoseState::Impl {
   void UpdateMatrices();
 
   std::shared_ptr<const PoseModel> model;
-  std::vector<Vec3> targets;       // [H], mesh space, as set
-  std::vector<float> matrices;     // [H][S][3][4]
+  std::vector<Vec3> targets;    // [H], mesh space, as set
+  std::vector<float> matrices;  // [H][S][3][4]
   std::variant<Alternation<2>, Alternation<3>> alternation;
 
  private:
@@ -38,14 +38,16 @@ class PoseState::Impl {
     if (model.k == 2) return Alternation<2>(model);
     return Alternation<3>(model);
   }
+
   void StoreTarget(int handle, Vec3 position);
 
-  Eigen::Matrix<double, Eigen::Dynamic, 2> transforms2_;   // T^, one of the two is used
+  Eigen::Matrix<double, Eigen::Dynamic, 2> transforms2_;  // T^, one of the two is used
   Eigen::Matrix<double, Eigen::Dynamic, 3> transforms3_;
 };
 
 PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model)
-    : model(std::move(shared_model)), alternation(MakeAlternation(*model)) {
+    : model(std::move(shared_model)),
+      alternation(MakeAlternation(*model)) {
   const RigTables& tables = model->rig->tables();
   const auto rows = static_cast<Eigen::Index>(tables.num_transform_rows());
   if (model->k == 2) transforms2_.resize(rows, 2);
@@ -116,9 +118,8 @@ void PoseState::Impl::ResetToRest() {
 }
 
 Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
-  if (options.iterations < 1 || options.iterations > kMaxIterations ||
-      !(options.lambda >= 0) || !std::isfinite(options.lambda) ||
-      !(options.settle_tolerance >= 0)) {
+  if (options.iterations < 1 || options.iterations > kMaxIterations || !(options.lambda >= 0) ||
+      !std::isfinite(options.lambda) || !(options.settle_tolerance >= 0)) {
     return Error(StatusCode::kInvalidArgument,
                  "%s: iterations %d, lambda %g, tolerance %g; expected at least one iteration and "
                  "finite numbers of zero or more",
@@ -186,6 +187,7 @@ void PoseState::Impl::UpdateMatrices() {
 }
 
 PoseState::PoseState(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
 PoseState::PoseState(PoseState&&) noexcept = default;
 PoseState& PoseState::operator=(PoseState&&) noexcept = default;
 PoseState::~PoseState() = default;
@@ -200,12 +202,22 @@ Result<PoseState> PoseState::Create(std::shared_ptr<const Rig> rig) {
   return Create(std::move(model).value());
 }
 
-const Rig& PoseState::rig() const { return *impl_->model->rig; }
+const Rig& PoseState::rig() const {
+  return *impl_->model->rig;
+}
+
 Status PoseState::SetTarget(int handle, Vec3 position_mesh) {
   return impl_->SetTarget(handle, position_mesh);
 }
-Vec3 PoseState::target(int handle) const { return impl_->targets.at(static_cast<size_t>(handle)); }
-void PoseState::ResetToRest() { impl_->ResetToRest(); }
+
+Vec3 PoseState::target(int handle) const {
+  return impl_->targets.at(static_cast<size_t>(handle));
+}
+
+void PoseState::ResetToRest() {
+  impl_->ResetToRest();
+}
+
 Status PoseState::Solve(const PoseOptions& options, PoseReport* report) {
   return impl_->Solve(options, report);
 }

@@ -7,33 +7,33 @@
 // or throws after PoseState::Create.
 #pragma once
 
-#include <memory>
-#include <span>
-
 #include "core/status.h"
 #include "core/vec3.h"
 #include "rig/rig.h"
 #include "skin/skin_transforms.h"
+
+#include <memory>
+#include <span>
 
 namespace limber {
 
 class PoseModel;  // pose_model.h
 
 struct PoseOptions {
-  int iterations = 1;      // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
-  float lambda = 0.5f;     // weight of nearness in eq. 10; 0: shape space only
-  bool rotations = true;   // false: all R = I, one convex solve, globally optimal
+  int iterations = 1;     // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
+  float lambda = 0.5f;    // weight of nearness in eq. 10; 0: shape space only
+  bool rotations = true;  // false: all R = I, one convex solve, globally optimal
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
 };
 
 struct PoseReport {
-  double energy = 0;       // eq. 10, in mesh units (of the cotangent-weighted edges)
-  double elastic = 0;      // its first term alone, the square root of E_d (eq. 9)
-  int iterations = 0;      // alternations done
-  double change = 0;       // largest change of a blend weight or of an entry of a rotation in use
-  bool settled = false;    // change <= settle_tolerance
-  double optimality = 0;   // largest violated multiplier of the convex step, of its largest gradient
+  double energy = 0;      // eq. 10, in mesh units (of the cotangent-weighted edges)
+  double elastic = 0;     // its first term alone, the square root of E_d (eq. 9)
+  int iterations = 0;     // alternations done
+  double change = 0;      // largest change of a blend weight or of an entry of a rotation in use
+  bool settled = false;   // change <= settle_tolerance
+  double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
 };
 
 class PoseState {
@@ -61,7 +61,7 @@ class PoseState {
 
   // Results of the last Solve, or of the rest pose: owned by the state, valid until its next call.
   SkinTransforms transforms() const;
-  std::span<const double> blend_weights() const;   // B, [G][S]
+  std::span<const double> blend_weights() const;  // B, [G][S]
 
   class Impl;
 

@@ -20,7 +20,8 @@ void ReducedEnergy<K>::MinimiseModes(const PoseModel& model, const Modes& target
       const float* edges = table + (static_cast<Eigen::Index>(block) * K + axis) * r;
       const Eigen::Matrix<double, 1, K> column =
           blend[block] * rotations[block].col(axis).transpose();
-      for (Eigen::Index m = 0; m < r; ++m) modes->row(m) += static_cast<double>(edges[m]) * column;
+      for (Eigen::Index m = 0; m < r; ++m)
+        modes->row(m) += static_cast<double>(edges[m]) * column;
     }
   }
   const ConstraintSystem& constraints = model.constraints;
@@ -42,7 +43,8 @@ double ReducedEnergy<K>::Value(const PoseModel& model, const double* blend,
     const float* row = tables.residual_factor.data();
     for (int i = 0; i < tables.residual_rank; ++i, row += model.num_blocks) {
       double sum = 0;
-      for (int j = 0; j < model.num_blocks; ++j) sum += blend[j] * static_cast<double>(row[j]);
+      for (int j = 0; j < model.num_blocks; ++j)
+        sum += blend[j] * static_cast<double>(row[j]);
       energy += 0.5 * sum * sum;
     }
     return energy;
@@ -53,7 +55,8 @@ double ReducedEnergy<K>::Value(const PoseModel& model, const double* blend,
     for (int j = 0; j < model.num_blocks; ++j) {
       if (blend[j] == 0) continue;
       Eigen::Matrix<double, K, 1> edge;
-      for (int axis = 0; axis < K; ++axis) edge[axis] = row[j * K + axis];
+      for (int axis = 0; axis < K; ++axis)
+        edge[axis] = row[j * K + axis];
       sum += blend[j] * (rotations[j] * edge);
     }
     energy += 0.5 * sum.squaredNorm();

@@ -2,10 +2,11 @@
 // to single precision even where targets match an example exactly.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "solve/pose_model.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber {
 
@@ -27,7 +28,7 @@ class ReducedEnergy {
   double Value(const PoseModel& model, const double* blend, const std::vector<Rotation>& rotations);
 
  private:
-  Modes gap_, answer_;   // X - C b and y, c x k
+  Modes gap_, answer_;  // X - C b and y, c x k
 };
 
 extern template class ReducedEnergy<2>;

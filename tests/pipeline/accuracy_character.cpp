@@ -1,8 +1,5 @@
 #include "pipeline/accuracy_character.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "bake/bake.h"
 #include "bake/resolve_handles.h"
 #include "bake/write_baked.h"
@@ -12,17 +9,22 @@
 #include "load/rig_loader.h"
 #include "skin/skin_positions.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace limber::test {
 namespace {
 
-Eigen::Vector3d ToEigen(Vec3 v) { return {v.x, v.y, v.z}; }
+Eigen::Vector3d ToEigen(Vec3 v) {
+  return {v.x, v.y, v.z};
+}
 
 Vec3 FromEigen(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& source,
-                                               int num_handles, bool rotations) {
+Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& source, int num_handles,
+                                               bool rotations) {
   Result<bake::RawCharacter> raw = bake::ImportGltf(source);
   if (!raw.ok()) return raw.status();
   geometry::SolveMesh mesh = geometry::WeldMesh(raw->shapes, raw->triangles, 0);
@@ -66,8 +68,7 @@ std::optional<AccuracyCharacter> AccuracyCharacter::Make(const std::filesystem::
     const Points shape = character.Shape(s);
     for (size_t e = 0; e < character.edges_.size(); ++e) {
       const auto [a, b] = character.edges_[e];
-      character.edge_length_[e] =
-          std::max(character.edge_length_[e], (shape[a] - shape[b]).norm());
+      character.edge_length_[e] = std::max(character.edge_length_[e], (shape[a] - shape[b]).norm());
     }
   }
   character.last_ = character.Deformed();
@@ -95,14 +96,16 @@ Points AccuracyCharacter::Deformed() const {
   std::vector<Vec3> positions(rig_->mesh().num_solve_vertices);
   EXPECT_TRUE(SkinPositionsReference(rig_->mesh(), state_->transforms(), positions).ok());
   Points points;
-  for (const Vec3& position : positions) points.push_back(ToEigen(position));
+  for (const Vec3& position : positions)
+    points.push_back(ToEigen(position));
   return points;
 }
 
 void AccuracyCharacter::DragTo(const Points& goal, int steps,
                                const std::function<void()>& after_frame) {
   std::vector<Eigen::Vector3d> from;
-  for (int h = 0; h < rig_->num_handles(); ++h) from.push_back(ToEigen(state_->target(h)));
+  for (int h = 0; h < rig_->num_handles(); ++h)
+    from.push_back(ToEigen(state_->target(h)));
   for (int step = 1; step <= steps; ++step) {
     const double fraction = static_cast<double>(step) / steps;
     for (int h = 0; h < rig_->num_handles(); ++h) {
@@ -128,7 +131,8 @@ PoseReport AccuracyCharacter::Settle(int most) {
 double AccuracyCharacter::RmsPercent(const Points& goal) const {
   const Points deformed = Deformed();
   double sum = 0;
-  for (size_t v = 0; v < goal.size(); ++v) sum += (deformed[v] - goal[v]).squaredNorm();
+  for (size_t v = 0; v < goal.size(); ++v)
+    sum += (deformed[v] - goal[v]).squaredNorm();
   return 100 * std::sqrt(sum / static_cast<double>(goal.size())) /
          static_cast<double>(rig_->diagonal());
 }

@@ -1,9 +1,13 @@
 // A real character from its source file through bake, file and loader, for tests of the whole.
 #pragma once
 
-#include <gtest/gtest.h>
+#include "rig/rig.h"
+#include "solve/pose_solver.h"
+#include "support/temporary_folder.h"
 
 #include <Eigen/Core>
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -11,25 +15,22 @@
 #include <string>
 #include <vector>
 
-#include "rig/rig.h"
-#include "solve/pose_solver.h"
-#include "support/temporary_folder.h"
-
 namespace limber::test {
 
-using Points = std::vector<Eigen::Vector3d>;   // [V] solve vertices, mesh space
+using Points = std::vector<Eigen::Vector3d>;  // [V] solve vertices, mesh space
 
 class AccuracyCharacter {
  public:
   // Imports a glTF, chooses `num_handles` handles, bakes, writes, loads. Fails the test on error.
-  static std::optional<AccuracyCharacter> Make(const std::filesystem::path& source,
-                                               int num_handles, bool rotations);
+  static std::optional<AccuracyCharacter> Make(const std::filesystem::path& source, int num_handles,
+                                               bool rotations);
 
   const Rig& rig() const { return *rig_; }
+
   PoseState& state() { return *state_; }
 
   Points Shape(int shape) const;
-  int FindShape(const std::string& name) const;   // fails the test when there is none
+  int FindShape(const std::string& name) const;  // fails the test when there is none
   Points Deformed() const;
 
   // Moves all handles in equal steps along straight lines to where `goal` has them.
@@ -50,7 +51,7 @@ class AccuracyCharacter {
   std::optional<PoseState> state_;
   PoseOptions options_;
   std::vector<std::pair<uint32_t, uint32_t>> edges_;
-  std::vector<double> edge_length_;   // longest over the examples
+  std::vector<double> edge_length_;  // longest over the examples
   Points last_;
 };
 

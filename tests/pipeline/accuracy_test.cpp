@@ -1,11 +1,11 @@
 // How exactly examples come back on the real characters of the shared data, and drags of them
 // without a crack, a spike or a number that is not one. Each case is one bake.
+#include "import/pack_obj.h"
+#include "pipeline/accuracy_character.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "import/pack_obj.h"
-#include "pipeline/accuracy_character.h"
 
 namespace limber {
 namespace {
@@ -14,10 +14,12 @@ using test::AccuracyCharacter;
 using test::Points;
 
 // The folder, or an empty path after saying why the test is skipped.
-std::filesystem::path DataFolder() { return test::SharedDataFolder(); }
+std::filesystem::path DataFolder() {
+  return test::SharedDataFolder();
+}
 
-#define LIMBER_REQUIRE_DATA()                                                          \
-  if (DataFolder().empty()) {                                                          \
+#define LIMBER_REQUIRE_DATA()                                                             \
+  if (DataFolder().empty()) {                                                             \
     GTEST_SKIP() << "the shared test data is absent (set LIMBER_DATA_DIR to its folder)"; \
   }
 
@@ -67,8 +69,7 @@ Points LegsOf(const Points& legs, const Points& rest_of_it, const Points& at_res
 
 TEST(Accuracy, Human_RaisesItsArmsAndKicksAtOnce) {
   LIMBER_REQUIRE_DATA();
-  auto human =
-      AccuracyCharacter::Make(DataFolder() / "characters/makehuman_poses.glb", 14, true);
+  auto human = AccuracyCharacter::Make(DataFolder() / "characters/makehuman_poses.glb", 14, true);
   ASSERT_TRUE(human.has_value());
   EXPECT_EQ(human->rig().num_shapes(), 13);
   const Points goal = LegsOf(human->Shape(human->FindShape("kick")),
@@ -88,7 +89,8 @@ void PlayThroughExamples(AccuracyCharacter* character, const std::vector<int>& s
   for (int s : shapes) {
     Points goal = character->Shape(s);
     const Points rest = character->Shape(0);
-    for (size_t v = 0; v < goal.size(); ++v) goal[v] += 0.1 * (goal[v] - rest[v]);
+    for (size_t v = 0; v < goal.size(); ++v)
+      goal[v] += 0.1 * (goal[v] - rest[v]);
     character->DragTo(goal, 25, [&] { character->ExpectSound(longest, jump); });
   }
 }
@@ -102,8 +104,8 @@ TEST(Accuracy, Lion_PlaysThroughItsPoses) {
 
 TEST(Accuracy, Face_PlaysThroughItsExpressionsWithoutRotations) {
   LIMBER_REQUIRE_DATA();
-  auto face = AccuracyCharacter::Make(DataFolder() / "characters/ict_facekit_expressions.glb", 8,
-                                      false);
+  auto face =
+      AccuracyCharacter::Make(DataFolder() / "characters/ict_facekit_expressions.glb", 8, false);
   ASSERT_TRUE(face.has_value());
   EXPECT_EQ(face->rig().num_shapes(), 58);
   PlayThroughExamples(&*face, {20, 24, 10, 30, 45, 0}, 2.5, 0.02);

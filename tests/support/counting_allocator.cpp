@@ -11,7 +11,9 @@ thread_local int64_t allocation_count = 0;
 }  // namespace
 
 namespace limber::test {
-int64_t AllocationCount() { return allocation_count; }
+int64_t AllocationCount() {
+  return allocation_count;
+}
 }  // namespace limber::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -21,31 +23,63 @@ namespace {
 void* CountedAllocate(std::size_t size, std::size_t alignment) {
   ++allocation_count;
   if (size == 0) size = 1;
-  void* memory = alignment <= alignof(std::max_align_t)
-                     ? std::malloc(size)
-                     : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  void* memory =
+      alignment <= alignof(std::max_align_t)
+          ? std::malloc(size)
+          : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
 }  // namespace
 
-void* operator new(std::size_t size) { return CountedAllocate(size, 0); }
-void* operator new[](std::size_t size) { return CountedAllocate(size, 0); }
+void* operator new(std::size_t size) {
+  return CountedAllocate(size, 0);
+}
+
+void* operator new[](std::size_t size) {
+  return CountedAllocate(size, 0);
+}
+
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return CountedAllocate(size, static_cast<std::size_t>(alignment));
 }
+
 void* operator new[](std::size_t size, std::align_val_t alignment) {
   return CountedAllocate(size, static_cast<std::size_t>(alignment));
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+void operator delete[](void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
 
 #else
 
@@ -60,22 +94,27 @@ void* malloc(std::size_t size) {
   ++allocation_count;
   return __libc_malloc(size);
 }
+
 void* calloc(std::size_t count, std::size_t size) {
   ++allocation_count;
   return __libc_calloc(count, size);
 }
+
 void* realloc(void* memory, std::size_t size) {
   ++allocation_count;
   return __libc_realloc(memory, size);
 }
+
 void* memalign(std::size_t alignment, std::size_t size) {
   ++allocation_count;
   return __libc_memalign(alignment, size);
 }
+
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
   ++allocation_count;
   return __libc_memalign(alignment, size);
 }
+
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
   ++allocation_count;
   *memory = __libc_memalign(alignment, size);

@@ -12,18 +12,21 @@ using bake::PointMatrix;
 using bake::RawCharacter;
 using Map = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
-// Fills everything of `raw` that follows from its first shape, triangles and the maps of the others.
+// Fills everything of `raw` that follows from its first shape, triangles and the maps of the
+// others.
 void Finish(RawCharacter* raw, const std::vector<Map>& maps) {
   const PointMatrix rest = raw->shapes.at(0);
   for (const Map& map : maps) {
     PointMatrix shape(rest.rows(), 3);
-    for (int v = 0; v < rest.rows(); ++v) shape.row(v) = map(rest.row(v).transpose()).transpose();
+    for (int v = 0; v < rest.rows(); ++v)
+      shape.row(v) = map(rest.row(v).transpose()).transpose();
     raw->shapes.push_back(shape);
   }
   const auto num_vertices = static_cast<uint32_t>(rest.rows());
   raw->num_source_vertices = num_vertices;
   raw->source_vertex.resize(num_vertices);
-  for (uint32_t v = 0; v < num_vertices; ++v) raw->source_vertex[v] = v;
+  for (uint32_t v = 0; v < num_vertices; ++v)
+    raw->source_vertex[v] = v;
   SkinPrimitive primitive;
   primitive.num_vertices = num_vertices;
   primitive.num_triangles = static_cast<uint32_t>(raw->triangles.size() / 3);
@@ -91,7 +94,8 @@ RawCharacter MakeBendCylinder(int around, int along) {
   rest.row(top) << 0, height, 0;
   raw.shapes = {rest};
   const auto add = [&raw](int a, int b, int c) {
-    for (int v : {a, b, c}) raw.triangles.push_back(static_cast<uint32_t>(v));
+    for (int v : {a, b, c})
+      raw.triangles.push_back(static_cast<uint32_t>(v));
   };
   for (int i = 0; i < around; ++i) {
     const int next = (i + 1) % around;

@@ -2,18 +2,19 @@
 // and plainly: what the reduced solver is checked against.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "geometry/solve_mesh.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber::deform {
 
 // One set of unknowns. Blocks are numbered g*S + s.
 struct ExampleState {
-  Eigen::MatrixXd q;                        // deformed positions, V x k
-  std::vector<double> blend;                // B, G*S
-  std::vector<Eigen::MatrixXd> rotations;   // R, G*S of k x k
+  Eigen::MatrixXd q;                       // deformed positions, V x k
+  std::vector<double> blend;               // B, G*S
+  std::vector<Eigen::MatrixXd> rotations;  // R, G*S of k x k
 };
 
 // E_d of eq. 9. shapes: S of V x k.

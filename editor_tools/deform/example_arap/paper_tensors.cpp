@@ -55,8 +55,7 @@ PaperTensors BuildPaperTensors(const std::vector<Eigen::MatrixXd>& shapes,
     for (Eigen::Index h = 0; h < weights.cols(); ++h) {
       for (Eigen::Index s = 0; s < num_shapes; ++s) {
         const Eigen::Index at = (h * num_shapes + s) * (k + 1);
-        tensors.skinning.block(p, at, 1, k) =
-            weights(p, h) * shapes[static_cast<size_t>(s)].row(p);
+        tensors.skinning.block(p, at, 1, k) = weights(p, h) * shapes[static_cast<size_t>(s)].row(p);
         tensors.skinning(p, at + k) = weights(p, h);
       }
     }

@@ -2,19 +2,20 @@
 // transforms with B and R held: the oracle of the factored reduction.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "geometry/solve_mesh.h"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace limber::deform {
 
 struct PaperTensors {
   int k = 0, num_groups = 0, num_shapes = 0;
-  Eigen::MatrixXd skinning;   // M: V x n, columns (h, s, i)
-  Eigen::MatrixXd l;          // L~: n x n
-  std::vector<Eigen::MatrixXd> load;   // K~_gs: G*S of k x n
-  std::vector<Eigen::MatrixXd> gram;   // H_gss': G*S*S of k x k, (g*S + s)*S + s'
+  Eigen::MatrixXd skinning;           // M: V x n, columns (h, s, i)
+  Eigen::MatrixXd l;                  // L~: n x n
+  std::vector<Eigen::MatrixXd> load;  // K~_gs: G*S of k x n
+  std::vector<Eigen::MatrixXd> gram;  // H_gss': G*S*S of k x k, (g*S + s)*S + s'
 
   // Eq. 11: E_d for transforms T^ (n x k).
   double Energy(const Eigen::MatrixXd& transforms, const std::vector<double>& blend,

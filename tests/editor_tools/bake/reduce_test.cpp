@@ -1,11 +1,6 @@
 // The factored reduction against the paper's tensors and against sums over the full mesh.
 #include "bake/reduce.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <Eigen/QR>
-
 #include "bake/edge_groups.h"
 #include "bake/rig_space.h"
 #include "core/rotation_fit.h"
@@ -16,6 +11,10 @@
 #include "support/smooth_weights.h"
 #include "support/test_meshes.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
 namespace limber::bake {
 namespace {
 
@@ -25,7 +24,7 @@ using Table = Eigen::Map<const RowMajor>;
 // A reduced character with everything that the oracles need beside it.
 struct Reduced {
   geometry::SolveMesh mesh;
-  std::vector<Eigen::MatrixXd> shapes;   // rig space, V x k
+  std::vector<Eigen::MatrixXd> shapes;  // rig space, V x k
   Eigen::MatrixXd weights;
   std::vector<geometry::GroupEdge> edges;
   std::vector<int> handle_vertices;
@@ -123,6 +122,7 @@ class ReduceTest : public testing::TestWithParam<std::tuple<bool, bool>> {
     return MakeReduced(planar ? test::MakeStretchSquare(8) : test::MakeBendCylinder(10, 14),
                        std::get<1>(GetParam()));
   }
+
   bool rotations() const { return std::get<1>(GetParam()); }
 };
 
@@ -193,7 +193,8 @@ TEST_P(ReduceTest, SingleGroupFactors_GiveEachGroupsEnergyOfTheFullMesh) {
     // Its modes by the whitening: z = sum_g K_g^T motion^T.
     Eigen::MatrixXd z = Eigen::MatrixXd::Zero(r1, k);
     for (int g = 0; g < r.tables.num_groups; ++g) {
-      const Table edges(r.tables.single_edges.data() + (s * r.tables.num_groups + g) * k * r1, k, r1);
+      const Table edges(r.tables.single_edges.data() + (s * r.tables.num_groups + g) * k * r1, k,
+                        r1);
       z += edges.cast<double>().transpose() * motion.transpose();
     }
     for (int g = 0; g < r.tables.num_groups; ++g) {
@@ -201,9 +202,11 @@ TEST_P(ReduceTest, SingleGroupFactors_GiveEachGroupsEnergyOfTheFullMesh) {
           r.tables.single_group_factors.data() + (s * r.tables.num_groups + g) * m * (m + 1) / 2;
       Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(m, m);
       for (int row = 0; row < m; ++row) {
-        for (int column = row; column < m; ++column) factor(row, column) = *packed++;
+        for (int column = row; column < m; ++column)
+          factor(row, column) = *packed++;
       }
-      for (const Eigen::MatrixXd& rotation : {motion, Eigen::MatrixXd(Eigen::MatrixXd::Identity(k, k))}) {
+      for (const Eigen::MatrixXd& rotation :
+           {motion, Eigen::MatrixXd(Eigen::MatrixXd::Identity(k, k))}) {
         Eigen::MatrixXd stacked(m, k);
         stacked << z, -rotation.transpose();
         const double full =
@@ -214,10 +217,10 @@ TEST_P(ReduceTest, SingleGroupFactors_GiveEachGroupsEnergyOfTheFullMesh) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Characters, ReduceTest,
-                         testing::Combine(testing::Bool(), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Characters, ReduceTest, testing::Combine(testing::Bool(), testing::Bool()),
                          [](const auto& parameter) {
-                           return std::string(std::get<0>(parameter.param) ? "Square" : "Cylinder") +
+                           return std::string(std::get<0>(parameter.param) ? "Square"
+                                                                           : "Cylinder") +
                                   (std::get<1>(parameter.param) ? "" : "WithoutRotations");
                          });
 

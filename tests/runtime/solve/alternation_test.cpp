@@ -1,8 +1,6 @@
 // The alternation's quantities against the same ones of the full mesh and of finite differences.
 #include "solve/alternation.h"
 
-#include <Eigen/Geometry>
-
 #include "bake/edge_groups.h"
 #include "core/rotation_fit.h"
 #include "deform/example_arap/full_energy.h"
@@ -10,6 +8,8 @@
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "runtime/solve/solved_character.h"
+
+#include <Eigen/Geometry>
 
 namespace limber {
 namespace {
@@ -36,7 +36,8 @@ class AlternationTest : public testing::Test {
     alternation_->ResetToRest(*model_);
     // Somewhere no example is: the top handle bent sideways and pulled.
     alternation_->targets.row(1) += Eigen::RowVector3d(0.3, -0.1, 0.15);
-    for (int i = 0; i < 12; ++i) outcome_ = alternation_->Run(*model_, {});
+    for (int i = 0; i < 12; ++i)
+      outcome_ = alternation_->Run(*model_, {});
   }
 
   // The bake's edges and shapes once more, from the weights that it stored.
@@ -65,7 +66,8 @@ class AlternationTest : public testing::Test {
   deform::ExampleState State() const {
     deform::ExampleState state;
     state.blend = alternation_->blend();
-    for (const auto& rotation : alternation_->rotations()) state.rotations.push_back(rotation);
+    for (const auto& rotation : alternation_->rotations())
+      state.rotations.push_back(rotation);
     Eigen::Matrix<double, Eigen::Dynamic, 3> transforms(rig_->tables().num_transform_rows(), 3);
     alternation_->Transforms(*model_, &transforms);
     state.q = deform::BuildPaperTensors(shapes_, weights_, {}, 1).skinning * transforms;
@@ -95,8 +97,8 @@ TEST_F(AlternationTest, Transforms_AreTheMinimiserOfThePaperTensors) {
   const deform::ExampleState state = State();
   const deform::PaperTensors tensors =
       deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
-  const Eigen::MatrixXd slow = tensors.Minimise(pinned_vertices_, alternation_->targets,
-                                                state.blend, state.rotations);
+  const Eigen::MatrixXd slow =
+      tensors.Minimise(pinned_vertices_, alternation_->targets, state.blend, state.rotations);
   EXPECT_LT((tensors.skinning * slow - state.q).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NEAR(tensors.Energy(slow, state.blend, state.rotations),
               deform::ElasticEnergy(shapes_, edges_, state), 1e-6);
@@ -105,10 +107,10 @@ TEST_F(AlternationTest, Transforms_AreTheMinimiserOfThePaperTensors) {
 TEST_F(AlternationTest, PinnedHandles_AreAtTheirTargets) {
   const deform::ExampleState state = State();
   for (size_t c = 0; c < pinned_vertices_.size(); ++c) {
-    EXPECT_LT((state.q.row(pinned_vertices_[c]) -
-               alternation_->targets.row(static_cast<Eigen::Index>(c)))
-                  .norm(),
-              1e-5);
+    EXPECT_LT(
+        (state.q.row(pinned_vertices_[c]) - alternation_->targets.row(static_cast<Eigen::Index>(c)))
+            .norm(),
+        1e-5);
   }
 }
 
@@ -145,9 +147,8 @@ TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
   alternation_->Run(*model_, {});
   const std::vector<double>& d = alternation_->distances();
   for (int s = 0; s < model_->num_shapes; ++s) {
-    const deform::PaperTensors single =
-        deform::BuildPaperTensors({shapes_[static_cast<size_t>(s)]}, weights_, edges_,
-                                  rig_->num_groups());
+    const deform::PaperTensors single = deform::BuildPaperTensors(
+        {shapes_[static_cast<size_t>(s)]}, weights_, edges_, rig_->num_groups());
     std::vector<Eigen::MatrixXd> rotations(static_cast<size_t>(model_->num_groups),
                                            Eigen::Matrix3d::Identity());
     const std::vector<double> ones(static_cast<size_t>(model_->num_groups), 1.0);
@@ -166,11 +167,11 @@ TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
             FitRotation<3>(Eigen::Matrix3d(single.load[static_cast<size_t>(g)] * t));
       }
     }
-    for (int i = 0; i < 200; ++i) alternation_->Run(*model_, {});
+    for (int i = 0; i < 200; ++i)
+      alternation_->Run(*model_, {});
     for (int g = 0; g < model_->num_groups; ++g) {
-      const double full =
-          deform::GroupEnergy(shapes_[static_cast<size_t>(s)], edges_, g, q,
-                              rotations[static_cast<size_t>(g)]);
+      const double full = deform::GroupEnergy(shapes_[static_cast<size_t>(s)], edges_, g, q,
+                                              rotations[static_cast<size_t>(g)]);
       EXPECT_NEAR(d[static_cast<size_t>(g * model_->num_shapes + s)], full, 2e-3 * full + 1e-8);
     }
   }

@@ -1,9 +1,9 @@
 // The convex step against its optimality conditions and against an independent, slow solver.
 #include "solve/blend_weight_step.h"
 
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +13,7 @@ namespace {
 class DenseColumns final : public QuadraticColumns {
  public:
   explicit DenseColumns(const Eigen::MatrixXd& q) : q_(q) {}
+
   const double* Column(int block) override { return q_.col(block).data(); }
 
  private:
@@ -26,9 +27,8 @@ struct RandomProblem {
   Eigen::VectorXd target, nearness, start;
 
   double F(const Eigen::VectorXd& b) const { return 0.5 * (a * b - target).squaredNorm(); }
-  double Objective(const Eigen::VectorXd& b) const {
-    return std::sqrt(F(b)) + nearness.dot(b);
-  }
+
+  double Objective(const Eigen::VectorXd& b) const { return std::sqrt(F(b)) + nearness.dot(b); }
 };
 
 RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
@@ -58,7 +58,8 @@ Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report) {
   problem.proximal = 1e-10;
   BlendWeightStep step(p.groups, p.shapes);
   Eigen::VectorXd b = p.start;
-  for (int call = 0; call < 5; ++call) *report = step.Solve(problem, b.data());
+  for (int call = 0; call < 5; ++call)
+    *report = step.Solve(problem, b.data());
   return b;
 }
 

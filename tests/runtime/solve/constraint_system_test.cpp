@@ -1,8 +1,7 @@
 #include "solve/constraint_system.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 namespace limber {
 namespace {

@@ -1,11 +1,11 @@
-#include "solve/pose_solver.h"
-
-#include <Eigen/Geometry>
-#include <limits>
-
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_model.h"
+#include "solve/pose_solver.h"
 #include "support/counting_allocator.h"
+
+#include <Eigen/Geometry>
+
+#include <limits>
 
 namespace limber {
 namespace {
@@ -99,8 +99,10 @@ TEST_F(PoseStateTest, RigidMotionOfAllTargets_MovesTheResultRigidly) {
   settle.settle_tolerance = 1e-11;
   PoseState plain = MakeState(), moved = MakeState();
   const auto set = [](PoseState* state, int handle, const Eigen::Vector3d& p) {
-    ASSERT_TRUE(state->SetTarget(handle, {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                                          static_cast<float>(p.z())}).ok());
+    ASSERT_TRUE(state
+                    ->SetTarget(handle, {static_cast<float>(p.x()), static_cast<float>(p.y()),
+                                         static_cast<float>(p.z())})
+                    .ok());
   };
   set(&plain, bottom, targets[0]);
   set(&plain, top_, targets[1]);
@@ -131,8 +133,9 @@ TEST_F(PoseStateTest, Translation_OfAllTargetsMovesTheResultByIt) {
       Vec3 target = plain.target(handle);
       if (handle == top_) target.x += 0.05f;
       ASSERT_TRUE(plain.SetTarget(handle, target).ok());
-      ASSERT_TRUE(moved.SetTarget(handle, {target.x + shift.x, target.y + shift.y,
-                                           target.z + shift.z}).ok());
+      ASSERT_TRUE(
+          moved.SetTarget(handle, {target.x + shift.x, target.y + shift.y, target.z + shift.z})
+              .ok());
     }
     ASSERT_TRUE(plain.Solve({}, nullptr).ok());
     ASSERT_TRUE(moved.Solve({}, nullptr).ok());
@@ -155,9 +158,11 @@ TEST_F(PoseStateTest, ExamplesComeBackFromTheirOwnHandles) {
         const Eigen::Vector3d goal = test::ShapePosition(*rig_, s, handle.vertex);
         const Vec3 now = state.target(h);
         const float f = 1.0f / static_cast<float>(21 - step);
-        ASSERT_TRUE(state.SetTarget(h, {now.x + f * (static_cast<float>(goal.x()) - now.x),
-                                        now.y + f * (static_cast<float>(goal.y()) - now.y),
-                                        now.z + f * (static_cast<float>(goal.z()) - now.z)}).ok());
+        ASSERT_TRUE(state
+                        .SetTarget(h, {now.x + f * (static_cast<float>(goal.x()) - now.x),
+                                       now.y + f * (static_cast<float>(goal.y()) - now.y),
+                                       now.z + f * (static_cast<float>(goal.z()) - now.z)})
+                        .ok());
       }
       ASSERT_TRUE(state.Solve({}, &report).ok());
     }
@@ -173,7 +178,8 @@ TEST_F(PoseStateTest, ExamplesComeBackFromTheirOwnHandles) {
 
 TEST_F(PoseStateTest, SteadyFrames_AllocateNothing) {
   PoseState state = MakeState();
-  for (int frame = 0; frame < 5; ++frame) SolveFrame(frame, &state);
+  for (int frame = 0; frame < 5; ++frame)
+    SolveFrame(frame, &state);
   PoseReport report;
   const int64_t before = test::AllocationCount();
   for (int frame = 5; frame < 60; ++frame) {
@@ -197,7 +203,8 @@ TEST_F(PoseStateTest, SameInput_SameBits) {
 
 TEST_F(PoseStateTest, ResetToRest_ForgetsEverything) {
   PoseState fresh = MakeState(), used = MakeState();
-  for (int frame = 0; frame < 20; ++frame) SolveFrame(frame, &used);
+  for (int frame = 0; frame < 20; ++frame)
+    SolveFrame(frame, &used);
   used.ResetToRest();
   const auto one = fresh.transforms().matrices, other = used.transforms().matrices;
   EXPECT_TRUE(std::equal(one.begin(), one.end(), other.begin()));
@@ -205,7 +212,8 @@ TEST_F(PoseStateTest, ResetToRest_ForgetsEverything) {
 
 TEST_F(PoseStateTest, TargetsThatRest_TheCharacterComesToRest) {
   PoseState state = MakeState();
-  for (int frame = 0; frame < 20; ++frame) SolveFrame(frame, &state);
+  for (int frame = 0; frame < 20; ++frame)
+    SolveFrame(frame, &state);
   PoseOptions settle;
   settle.iterations = 5000;
   settle.settle_tolerance = 1e-8;

@@ -1,8 +1,7 @@
 #include "core/rotation_fit.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 namespace limber {
 namespace {

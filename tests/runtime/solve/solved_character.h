@@ -1,12 +1,12 @@
 // Characters made in code, baked in memory, for tests of the solver.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include "bake/bake.h"
 #include "rig/rig.h"
 #include "skin/skin_transforms.h"
 #include "support/test_meshes.h"
+
+#include <gtest/gtest.h>
 
 namespace limber::test {
 

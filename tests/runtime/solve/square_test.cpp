@@ -36,7 +36,8 @@ class SquareTest : public testing::TestWithParam<bool> {
   Eigen::Vector3d MeanBlend() const {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (int g = 0; g < rig_->num_groups(); ++g) {
-      for (int s = 0; s < 3; ++s) mean[s] += state_->blend_weights()[g * 3 + s];
+      for (int s = 0; s < 3; ++s)
+        mean[s] += state_->blend_weights()[g * 3 + s];
     }
     return mean / rig_->num_groups();
   }
@@ -54,7 +55,9 @@ class SquareTest : public testing::TestWithParam<bool> {
   std::optional<PoseState> state_;
 };
 
-TEST_P(SquareTest, IsPlanar) { EXPECT_EQ(rig_->dimension(), 2); }
+TEST_P(SquareTest, IsPlanar) {
+  EXPECT_EQ(rig_->dimension(), 2);
+}
 
 // Eq. 10 as printed sums the root of D over groups but the elastic term under one root, so with six
 // groups a target within a fifth of the way of an example is cheaper as that example, stretched;
@@ -66,6 +69,7 @@ TEST_P(SquareTest, BetweenShapes_BlendIsTheExactPiecewiseLinearMix) {
   } cases[] = {{1.2f, {2.0 / 3, 1.0 / 3, 0}}, {1.4f, {1.0 / 3, 2.0 / 3, 0}},
                {1.8f, {0, 0.75, 0.25}},       {2.0f, {0, 0.5, 0.5}},
                {2.2f, {0, 0.25, 0.75}},       {1.3f, {0.5, 0.5, 0}}};
+
   for (const auto& expected : cases) {
     DragTo(expected.x);
     EXPECT_LT((MeanBlend() - expected.blend).cwiseAbs().maxCoeff(), 1e-3)
