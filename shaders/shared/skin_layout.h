@@ -9,14 +9,14 @@
 #define LIMBER_SKIN_GROUP_SIZE 64
 
 // Bindings of set 0.
-#define LIMBER_SKIN_MATRICES 0        // [H][S][3] vec4, uniform (or storage where too large)
-#define LIMBER_SKIN_WEIGHTS 1         // [H][V] float
-#define LIMBER_SKIN_SHAPES 2          // [S][3][V] float: x, y and z planes, rig space
-#define LIMBER_SKIN_SOLVE_POSITIONS 3 // [V] vec4, mesh units, origin not added
-#define LIMBER_SKIN_DRAW_VERTICES 4   // [D] LimberSkinDrawVertex
-#define LIMBER_SKIN_GROUP_CORNERS 5   // [G + 1] uint: first corner of each normal group
-#define LIMBER_SKIN_CORNERS 6         // [C] LimberSkinCorner
-#define LIMBER_SKIN_VERTICES 7        // [D][LIMBER_SKIN_VERTEX_FLOATS] float, the result
+#define LIMBER_SKIN_MATRICES 0         // [H][S][3] vec4, uniform (or storage where too large)
+#define LIMBER_SKIN_WEIGHTS 1          // [H][V] float
+#define LIMBER_SKIN_SHAPES 2           // [S][3][V] float: x, y and z planes, rig space
+#define LIMBER_SKIN_SOLVE_POSITIONS 3  // [V] vec4, mesh units, origin not added
+#define LIMBER_SKIN_DRAW_VERTICES 4    // [D] LimberSkinDrawVertex
+#define LIMBER_SKIN_GROUP_CORNERS 5    // [G + 1] uint: first corner of each normal group
+#define LIMBER_SKIN_CORNERS 6          // [C] LimberSkinCorner
+#define LIMBER_SKIN_VERTICES 7         // [D][LIMBER_SKIN_VERTEX_FLOATS] float, the result
 #define LIMBER_SKIN_NUM_BINDINGS 8
 
 // Interleaved vertex: position (3), unit normal (3), unit tangent (3) and handedness (1).
@@ -36,19 +36,21 @@
 namespace limber::shaders {
 
 struct SkinPush {
-  float origin[3];         // added to every position, last
-  float inverse_scale;     // mesh units to rig units
+  float origin[3];      // added to every position, last
+  float inverse_scale;  // mesh units to rig units
   uint32_t num_solve_vertices;
   uint32_t num_draw_vertices;
 };
+
 static_assert(sizeof(SkinPush) == 24);
 
 struct SkinDrawVertex {
-  float normal[3];         // unit, in the frame (t, b, n) of its normal group
+  float normal[3];  // unit, in the frame (t, b, n) of its normal group
   uint32_t solve_vertex;
-  float tangent[3];        // coefficients of the two pushed directions; third: handedness
+  float tangent[3];  // coefficients of the two pushed directions; third: handedness
   uint32_t normal_group;
 };
+
 static_assert(sizeof(SkinDrawVertex) == 32);
 
 // A triangle seen from the vertex of its normal group: the other two corners, counter-clockwise,
@@ -57,6 +59,7 @@ struct SkinCorner {
   uint32_t a, b;
   float first[2], second[2];
 };
+
 static_assert(sizeof(SkinCorner) == 24);
 
 }  // namespace limber::shaders

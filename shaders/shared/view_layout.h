@@ -24,29 +24,32 @@
 namespace limber::shaders {
 
 struct FrameUniforms {
-  float clip_from_mesh[16];     // column-major
-  float shadow_from_mesh[16];   // x and y to 0..1, z to depth
-  float eye[4];                 // mesh space; w: 1 for a flat (planar) character
-  float key[4];                 // towards the key light; w: width of the soft shadow, in the map
-  float ground[4];              // where a shadow may fall: centre x, height, centre z, unused
-  float ground_half[4];         // half its width in x and z, and the width of its soft border
-  float viewport[4];            // width, height, dot radius in pixels, character's size
+  float clip_from_mesh[16];    // column-major
+  float shadow_from_mesh[16];  // x and y to 0..1, z to depth
+  float eye[4];                // mesh space; w: 1 for a flat (planar) character
+  float key[4];                // towards the key light; w: width of the soft shadow, in the map
+  float ground[4];             // where a shadow may fall: centre x, height, centre z, unused
+  float ground_half[4];        // half its width in x and z, and the width of its soft border
+  float viewport[4];           // width, height, dot radius in pixels, character's size
 };
+
 static_assert(sizeof(FrameUniforms) == 208);
 
 struct DrawPush {
-  float base_color[4];          // linear
+  float base_color[4];  // linear
   float roughness, metallic;
-  float normal_scale;           // 0: no normal map
+  float normal_scale;  // 0: no normal map
   float alpha_cutoff;
   uint32_t flags;
 };
+
 static_assert(sizeof(DrawPush) == 36);
 
 struct DotVertex {
-  float position[3];            // mesh space
+  float position[3];  // mesh space
   uint32_t style;
 };
+
 static_assert(sizeof(DotVertex) == 16);
 
 }  // namespace limber::shaders
@@ -60,7 +63,9 @@ layout(std140, set = 0, binding = LIMBER_VIEW_FRAME) uniform Frame {
   vec4 ground;
   vec4 ground_half;
   vec4 viewport;
-} frame;
+}
+
+frame;
 
 #endif
 
