@@ -236,7 +236,7 @@ std::vector<std::vector<Vec3>> DragPath(const Rig& rig, int num_frames) {
   const SkinMesh& mesh = rig.mesh();
   std::vector<std::vector<Vec3>> path(static_cast<size_t>(num_frames));
   for (int f = 0; f < num_frames; ++f) {
-    const double place = double{1} * f / num_frames * rig.num_shapes();
+    const double place = static_cast<double>(f) * rig.num_shapes() / num_frames;
     const int from = static_cast<int>(place), to = (from + 1) % rig.num_shapes();
     const auto mix = static_cast<float>(place - from);
     for (int h = 0; h < rig.num_handles(); ++h) {
