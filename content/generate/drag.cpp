@@ -1,11 +1,10 @@
 #include "generate/drag.h"
 
-#include "generate/shaping.h"
-
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace limber::content {
 namespace {
@@ -13,21 +12,63 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Targets = std::vector<Vector3d>;  // one per handle of the character
 
-Targets TargetsAt(const Character& character, const DragStop& stop) {
-  const std::vector<Vector3d>& rest = character.shapes.at(0).positions;
-  const auto shape = std::find_if(character.shapes.begin(), character.shapes.end(),
-                                  [&](const Shape& s) { return s.name == stop.shape; });
-  Targets targets;
-  for (const Handle& handle : character.handles) {
-    const bool named = stop.handles.empty() ||
-                       std::count(stop.handles.begin(), stop.handles.end(), handle.name) > 0;
-    const double amount = named && shape != character.shapes.end() ? stop.amount : 0;
-    const Vector3d& from = rest[handle.vertex];
-    const Vector3d& to = amount != 0 ? shape->positions[handle.vertex] : from;
-    targets.emplace_back(from + amount * (to - from));
-  }
-  return targets;
+// From 0 to 1 as s does, at rest at both ends, and a little beyond 1 before the end.
+double Ease(double s) {
+  constexpr double kArrival = 0.85, kOvershoot = 0.05, kPi = std::numbers::pi;
+  const double rise = 0.5 - 0.5 * std::cos(kPi * std::min(s / kArrival, 1.0));
+  const double late = std::sin(kPi * std::clamp(2 * s - 1, 0.0, 1.0));
+  return rise + kOvershoot * late * late;
 }
+
+GestureMix Between(const GestureMix& from, const GestureMix& to, double t) {
+  GestureMix mix;
+  for (const GestureAmount& part : from)
+    mix.push_back({part.gesture, (1 - t) * part.amount});
+  for (const GestureAmount& part : to)
+    mix.push_back({part.gesture, t * part.amount});
+  return mix;
+}
+
+class Director {
+ public:
+  Director(const Character& character, const Posing& posing)
+      : character_(character),
+        posing_(posing) {
+    for (size_t s = 0; s < character.shapes.size(); ++s)
+      off_.push_back(Off(s));
+  }
+
+  Targets At(const GestureMix& mix) const {
+    const SpaceWarp pose = posing_(mix);
+    Targets targets;
+    for (size_t h = 0; h < character_.handles.size(); ++h) {
+      Vector3d off = off_[0][h];
+      for (size_t s = 1; s < character_.shapes.size(); ++s)
+        off += AmountOf(character_.shapes[s].name, mix) * (off_[s][h] - off_[0][h]);
+      targets.emplace_back(pose(Place(0, h)) + off);
+    }
+    return targets;
+  }
+
+ private:
+  const Vector3d& Place(size_t shape, size_t handle) const {
+    return character_.shapes[shape].positions[character_.handles[handle].vertex];
+  }
+
+  // How far the handles of an example shape are from where the posing takes them: shapes are
+  // smoothed once they are posed.
+  Targets Off(size_t shape) const {
+    const SpaceWarp pose = posing_({{character_.shapes[shape].name, 1}});
+    Targets off;
+    for (size_t h = 0; h < character_.handles.size(); ++h)
+      off.emplace_back(Place(shape, h) - pose(Place(0, h)));
+    return off;
+  }
+
+  const Character& character_;
+  const Posing& posing_;
+  std::vector<Targets> off_;  // of all shapes
+};
 
 Json Frame(const Character& character, const Targets& targets) {
   Json frame;
@@ -42,21 +83,19 @@ Json Frame(const Character& character, const Targets& targets) {
 
 }  // namespace
 
-std::string WriteDrag(const Character& character, const std::vector<DragStop>& stops) {
-  Targets from = TargetsAt(character, {});
+std::string WriteDrag(const Character& character, const Posing& posing,
+                      const std::vector<DragStop>& stops) {
+  const Director director(character, posing);
+  GestureMix from;
   std::string text = "{\"frames\": [";
   const char* separator = "\n";
   for (const DragStop& stop : stops) {
-    const Targets to = TargetsAt(character, stop);
     for (int f = 1; f <= stop.frames; ++f) {
-      const double t = SmoothStep(0, 1, double(f) / stop.frames);
-      Targets targets = from;
-      for (size_t h = 0; h < targets.size(); ++h)
-        targets[h] += t * (to[h] - from[h]);
-      text += separator + Frame(character, targets).dump();
+      const GestureMix mix = Between(from, stop.mix, Ease(double(f) / stop.frames));
+      text += separator + Frame(character, director.At(mix)).dump();
       separator = ",\n";
     }
-    from = to;
+    from = stop.mix;
   }
   return text + "\n]}\n";
 }

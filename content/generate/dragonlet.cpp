@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 namespace limber::content {
@@ -100,11 +101,17 @@ void AddBody(const DragonletModel& model, const std::vector<DragonletPoser>& pos
   body.num_vertices = static_cast<uint32_t>(atlas.surface_vertex.size());
   body.triangles = atlas.triangles;
   dragonlet->primitives.push_back(body);
+  std::vector<double> smoothing;
+  for (const Vector3d& p : surface.positions) {
+    const Vector3d left(std::abs(p.x()), p.y(), p.z());
+    smoothing.push_back(
+        std::min(SmoothingAt(p, {&model.tail()}), SmoothingAt(left, {&model.arm(), &model.ear()})));
+  }
   for (size_t s = 0; s < posers.size(); ++s) {
     std::vector<Vector3d> posed;
     for (const Vector3d& p : surface.positions)
       posed.push_back(posers[s].Body(p));
-    SmoothOffsets(surface.triangles, surface.positions, kSmoothing, &posed);
+    SmoothOffsets(surface.triangles, surface.positions, kSmoothing, smoothing, &posed);
     for (uint32_t v : atlas.surface_vertex)
       dragonlet->shapes[s].positions.push_back(posed[v]);
   }
@@ -125,32 +132,21 @@ void PaintEyes(Image* picture) {
   }
 }
 
-}  // namespace
+// Where a limb's surface lies towards `side` of its spine. Handles of limbs are a little back from
+// the tip: a pull then moves all of the tip, not a spike of it.
+Vector3d OnLimb(const Limb& limb, double u, const Vector3d& side) {
+  const Vector3d tangent = limb.spine.Frame(u).col(2);
+  const Vector3d across = (side - tangent * tangent.dot(side)).normalized();
+  return limb.spine.Point(u) + limb.radius(u) * across;
+}
 
-Character MakeDragonlet() {
-  const DragonletModel model;
-  Character dragonlet;
-  dragonlet.name = "dragonlet";
-  std::vector<DragonletPoser> posers;
-  for (int s = 0; s < kNumDragonletShapes; ++s) {
-    posers.emplace_back(model, s);
-    dragonlet.shapes.push_back({DragonletShapeName(s), {}});
-  }
-  AddBody(model, posers, &dragonlet);
-  Primitive eyes;
-  eyes.first_vertex = static_cast<uint32_t>(dragonlet.normals.size());
-  eyes.material = 1;
-  for (bool left : {true, false})
-    AddEye(model.Eye(left), posers, &dragonlet, &eyes);
-  eyes.num_vertices = static_cast<uint32_t>(dragonlet.normals.size()) - eyes.first_vertex;
-  dragonlet.primitives.push_back(eyes);
-  PaintEyes(&dragonlet.picture);
-  dragonlet.materials = {{.name = "skin"}, {.name = "eyes", .roughness = 0.2}};
-  const Vector3d tail_tip = model.tail().spine.Point(1),
-                 tail_middle = model.tail().spine.Point(0.55), hand = model.arm().spine.Point(1),
-                 ear = model.ear().spine.Point(1);
+void AddHandles(const DragonletModel& model, Character* dragonlet) {
+  const Vector3d up = Vector3d::UnitY(), ahead = Vector3d::UnitZ();
+  const Vector3d tail_tip = OnLimb(model.tail(), 0.88, up),
+                 tail_middle = OnLimb(model.tail(), 0.55, up),
+                 hand = OnLimb(model.arm(), 0.88, ahead), ear = OnLimb(model.ear(), 0.87, ahead);
   const auto handle = [&](const char* name, const Vector3d& p, bool pinned) {
-    dragonlet.handles.push_back({name, NearestVertex(dragonlet, p), pinned});
+    dragonlet->handles.push_back({name, NearestVertex(*dragonlet, p), pinned});
   };
   handle("head", {0, 1.95, 0.1}, true);
   handle("nose", {0, 1.07, 0.75}, true);
@@ -164,29 +160,54 @@ Character MakeDragonlet() {
   handle("ear_right", Mirrored(ear), true);
   handle("tail_middle", tail_middle, true);
   handle("tail_tip", tail_tip, true);
+}
+
+}  // namespace
+
+Character MakeDragonlet() {
+  const DragonletModel model;
+  Character dragonlet;
+  dragonlet.name = "dragonlet";
+  std::vector<DragonletPoser> posers;
+  for (const DragonletShape& shape : DragonletShapes()) {
+    posers.emplace_back(model, shape.mix);
+    dragonlet.shapes.push_back({shape.name, {}});
+  }
+  AddBody(model, posers, &dragonlet);
+  Primitive eyes;
+  eyes.first_vertex = static_cast<uint32_t>(dragonlet.normals.size());
+  eyes.material = 1;
+  for (bool left : {true, false})
+    AddEye(model.Eye(left), posers, &dragonlet, &eyes);
+  eyes.num_vertices = static_cast<uint32_t>(dragonlet.normals.size()) - eyes.first_vertex;
+  dragonlet.primitives.push_back(eyes);
+  PaintEyes(&dragonlet.picture);
+  dragonlet.materials = {{.name = "skin"}, {.name = "eyes", .roughness = 0.2}};
+  AddHandles(model, &dragonlet);
   RoundPositions(&dragonlet);
   return dragonlet;
 }
 
 std::string MakeDragonletDrag(const Character& dragonlet) {
-  const std::vector<std::string> greeting = {"hand_left", "ear_left", "head"};
-  // By way of a stretch the tail swings behind the body from side to side, not through it.
-  return WriteDrag(dragonlet, {{"squash", 0.9, {}, 7},
-                               {"stretch", 1.05, {}, 8},
-                               {"squash", 0.45, {}, 6},
-                               {"rest", 0, {}, 5},
-                               {"wave", 1, greeting, 7},
-                               {"wave", 0.75, greeting, 3},
-                               {"wave", 1.05, greeting, 3},
-                               {"curl", 1, {}, 9},
-                               {"stretch", 0.45, {}, 7},
-                               {"lean_left", 1, {}, 8},
-                               {"stretch", 0.55, {}, 8},
-                               {"lean_right", 1.05, {}, 8},
-                               {"puff", 1.05, {}, 8},
-                               {"puff", 0.95, {}, 3},
-                               {"startled", 1, {}, 8},
-                               {"rest", 0, {}, 8}});
+  const DragonletModel model;
+  const auto posing = [&model](const GestureMix& mix) -> SpaceWarp {
+    const auto poser = std::make_shared<DragonletPoser>(model, mix);
+    return [poser](const Vector3d& p) { return poser->Body(p); };
+  };
+  // Gestures with the tail on one side follow each other: from side to side is a long way for it.
+  return WriteDrag(dragonlet, posing,
+                   {{{{"squash", 0.85}}, 8},
+                    {{{"stretch", 0.95}}, 10},
+                    {{{"curl", 1}}, 15},
+                    {{}, 9},
+                    {{{"wave", 1}}, 13},
+                    {{{"wave", 0.75}}, 4},
+                    {{{"wave", 1}}, 4},
+                    {{{"lean_left", 0.95}}, 10},
+                    {{{"lean_right", 0.95}}, 17},
+                    {{{"puff", 0.95}}, 11},
+                    {{{"startled", 0.95}}, 9},
+                    {{}, 10}});
 }
 
 }  // namespace limber::content

@@ -4,10 +4,12 @@
 #include "generate/canvas.h"
 #include "generate/character.h"
 #include "generate/curve.h"
+#include "generate/pose.h"
 
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace limber::content {
 
@@ -57,14 +59,19 @@ Colour DragonletSkin(const DragonletModel& model, const Vector3d& p);
 // The colour of an eye in direction `d` (unit, the eye's own frame: x its left, y up, z ahead).
 Colour DragonletEyeColour(const Vector3d& d);
 
-constexpr int kNumDragonletShapes = 9;
-// The name of example shape `shape`; 0 is the rest shape.
-std::string DragonletShapeName(int shape);
+// An example shape: a mix of gestures. [0] is rest.
+struct DragonletShape {
+  std::string name;
+  GestureMix mix;
+};
 
-// Where the rest point `p` of the body, or of an eye, is in that shape.
+std::vector<DragonletShape> DragonletShapes();
+
+// Where a mix of gestures takes the rest point `p` of the body, or of an eye; the empty mix moves
+// nothing at all.
 class DragonletPoser {
  public:
-  DragonletPoser(const DragonletModel& model, int shape);
+  DragonletPoser(const DragonletModel& model, const GestureMix& mix);
   ~DragonletPoser();
   DragonletPoser(DragonletPoser&&) noexcept;
 
@@ -72,8 +79,8 @@ class DragonletPoser {
   Vector3d Eye(const DragonletEye& eye, const Vector3d& p) const;
 
  private:
-  struct Shape;
-  std::unique_ptr<const Shape> shape_;  // none for the rest shape
+  struct Posed;
+  std::unique_ptr<Posed> posed_;  // none at rest
 };
 
 }  // namespace limber::content

@@ -2,6 +2,9 @@
 
 #include "generate/shaping.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -22,6 +25,49 @@ Turn Arc(const Vector3d& axis, double angle, double from, double to) {
 
 Turn Both(Turn a, Turn b) {
   return [a = std::move(a), b = std::move(b)](double u) { return Vector3d(a(u) + b(u)); };
+}
+
+Turn RestTurn(const Limb& limb) {
+  const Curve* spine = &limb.spine;
+  return [spine](double u) {
+    const double a = std::max(u - 0.01, 0.0), b = std::min(u + 0.01, 1.0);
+    const Vector3d from = spine->Frame(a).col(2), to = spine->Frame(b).col(2);
+    const Vector3d axis = from.cross(to);
+    const double sine = axis.norm();
+    if (sine < 1e-12) return Vector3d(Vector3d::Zero());
+    return Vector3d(axis * (std::atan2(sine, from.dot(to)) / (sine * (b - a))));
+  };
+}
+
+double SmoothingAt(const Vector3d& p, const std::vector<const Limb*>& limbs) {
+  double share = 0;
+  for (const Limb* limb : limbs)
+    share = std::max(share, limb->Share(p, 1.5 * limb->root));
+  return 1 - share;
+}
+
+double AmountOf(const std::string& gesture, const GestureMix& mix) {
+  double amount = 0;
+  for (const GestureAmount& part : mix)
+    amount += part.gesture == gesture ? part.amount : 0;
+  return amount;
+}
+
+LimbPose Mixed(const Limb& limb, const std::vector<std::pair<double, LimbPose>>& poses) {
+  const Turn rest = RestTurn(limb);
+  LimbPose mixed;
+  for (const auto& [amount, pose] : poses) {
+    mixed.length += amount * (pose.length - 1);
+    mixed.thickness += amount * (pose.thickness - 1);
+  }
+  mixed.turn = [rest, poses](double u) {
+    const Vector3d at_rest = rest(u);
+    Vector3d turn = at_rest;
+    for (const auto& [amount, pose] : poses)
+      turn += amount * (pose.turn(u) - at_rest);
+    return turn;
+  };
+  return mixed;
 }
 
 void Pose::Add(const Limb& limb, const LimbPose& pose, bool mirrored) {

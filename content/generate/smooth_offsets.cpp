@@ -6,7 +6,7 @@
 namespace limber::content {
 
 void SmoothOffsets(const std::vector<uint32_t>& triangles, const std::vector<Vector3d>& rest,
-                   int passes, std::vector<Vector3d>* shape) {
+                   int passes, const std::vector<double>& strength, std::vector<Vector3d>* shape) {
   std::set<std::pair<uint32_t, uint32_t>> directed;
   for (size_t i = 0; i < triangles.size(); ++i) {
     directed.insert({triangles[i], triangles[i - i % 3 + (i + 1) % 3]});
@@ -27,8 +27,9 @@ void SmoothOffsets(const std::vector<uint32_t>& triangles, const std::vector<Vec
       Vector3d sum = Vector3d::Zero();
       for (uint32_t other : others)
         sum += offset[other];
-      smooth[v] = others.empty() ? offset[v]
-                                 : Vector3d(0.5 * offset[v] + 0.5 / double(others.size()) * sum);
+      const double give = others.empty() ? 0 : 0.5 * strength[v];
+      smooth[v] = offset[v];
+      if (give > 0) smooth[v] += give * (sum / double(others.size()) - offset[v]);
     }
     offset.swap(smooth);
   }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace limber::content {
 namespace {
@@ -28,14 +29,24 @@ Colour Tiles(double px, double py) {
   return colour;
 }
 
-Shape Stretched(const Shape& rest, const char* name, double width, double swell) {
-  Shape shape;
-  shape.name = name;
-  for (const Vector3d& p : rest.positions) {
-    const double bulge = 1 + swell * std::sin(std::numbers::pi * p.x());
-    shape.positions.emplace_back(width * p.x(), bulge * p.y(), 0);
+struct SquareGesture {
+  const char* name;
+  double width, swell;
+};
+
+constexpr SquareGesture kGestures[] = {{"puffed", 1.6, 0.5}, {"thinned", 2.4, -0.5}};
+
+SpaceWarp PoseSquare(const GestureMix& mix) {
+  double width = 1, swell = 0;
+  for (const SquareGesture& gesture : kGestures) {
+    const double amount = AmountOf(gesture.name, mix);
+    width += amount * (gesture.width - 1);
+    swell += amount * gesture.swell;
   }
-  return shape;
+  return [width, swell](const Vector3d& p) {
+    const double bulge = 1 + swell * std::sin(std::numbers::pi * p.x());
+    return Vector3d(width * p.x(), bulge * p.y(), 0);
+  };
 }
 
 }  // namespace
@@ -66,8 +77,14 @@ Character MakeSquare() {
   }
   primitive.num_vertices = static_cast<uint32_t>(rest.positions.size());
   square.primitives = {primitive};
-  square.shapes = {rest, Stretched(rest, "puffed", 1.6, 0.5),
-                   Stretched(rest, "thinned", 2.4, -0.5)};
+  square.shapes = {rest};
+  for (const SquareGesture& gesture : kGestures) {
+    const SpaceWarp pose = PoseSquare({{gesture.name, 1}});
+    Shape shape{gesture.name, {}};
+    for (const Vector3d& p : rest.positions)
+      shape.positions.push_back(pose(p));
+    square.shapes.push_back(std::move(shape));
+  }
   square.materials = {{.name = "tiles", .double_sided = true}};
   square.picture = Paint(kPixels, kPixels, 3, Tiles);
   const auto middle = static_cast<uint32_t>(kQuads / 2 * row);
@@ -79,11 +96,12 @@ Character MakeSquare() {
 }
 
 std::string MakeSquareDrag(const Character& square) {
-  return WriteDrag(square, {{"puffed", 1, {}, 16},
-                            {"thinned", 1, {}, 20},
-                            {"thinned", 1.15, {}, 8},
-                            {"puffed", 1, {}, 20},
-                            {"square", 0, {}, 16}});
+  return WriteDrag(square, PoseSquare,
+                   {{{{"puffed", 1}}, 18},
+                    {{{"thinned", 1}}, 20},
+                    {{{"thinned", 1.15}}, 10},
+                    {{{"puffed", 1}}, 22},
+                    {{}, 20}});
 }
 
 }  // namespace limber::content

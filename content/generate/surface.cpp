@@ -179,11 +179,10 @@ void Relax(const Field& field, Surface* surface) {
 
 }  // namespace
 
-Vector3d FieldNormal(const Field& field, const Vector3d& p) {
-  constexpr double kStep = 1e-4;
+Vector3d FieldNormal(const Field& field, const Vector3d& p, double step) {
   Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d d = kStep * Vector3d::Unit(axis);
+    const Vector3d d = step * Vector3d::Unit(axis);
     gradient[axis] = field(p + d) - field(p - d);
   }
   const double length = gradient.norm();
@@ -200,8 +199,10 @@ Surface ExtractSurface(const Field& field, const Vector3d& low, const Vector3d& 
   }
   for (int sweep = 0; sweep < 4; ++sweep)
     Relax(field, &surface);
+  // Over a good part of a cell: fields of limbs jump by a hair where the nearest point of the spine
+  // passes a corner of its polyline, and a narrow difference across such a jump points anywhere.
   for (const Vector3d& p : surface.positions)
-    surface.normals.push_back(FieldNormal(field, p));
+    surface.normals.push_back(FieldNormal(field, p, 0.25 * cell));
   return surface;
 }
 

@@ -21,7 +21,7 @@ struct Surface {
 // it. `field` must be smooth near its zero set, and its zero set well inside the box.
 Surface ExtractSurface(const Field& field, const Vector3d& low, const Vector3d& high, double cell);
 
-// The unit gradient of `field` by central differences.
-Vector3d FieldNormal(const Field& field, const Vector3d& p);
+// The unit gradient of `field` by central differences over 2 * step.
+Vector3d FieldNormal(const Field& field, const Vector3d& p, double step = 1e-4);
 
 }  // namespace limber::content
