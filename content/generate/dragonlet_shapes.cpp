@@ -113,7 +113,7 @@ void Curl(DragonletPose* pose) {
   // Along the ground, around the left foot, to the front.
   pose->Tail(
       {1.35, 0.95,
-       Both(Both(Arc(kY, -3.1, 0.05, 1.1), Arc(kX, 0.26, 0.0, 0.4)), Arc(kX, -0.5, 0.6, 1.0))});
+       Both(Both(Arc(kY, -3.6, 0.05, 1.1), Arc(kX, 0.26, 0.0, 0.4)), Arc(kX, -0.8, 0.55, 1.0))});
 }
 
 // side: +1 leans to its left, -1 to its right.
@@ -138,7 +138,7 @@ void Wave(DragonletPose* pose) {
   pose->Arms({1.75, 1.3, Both(Arc(kZ, 1.75, 0.1, 0.8), Arc(kZ, -0.8, 0.65, 1.0))},
              {1.1, 1.0, Arc(kZ, -0.5)});
   pose->Ears({1.05, 1.0, Arc(kZ, 1.0)}, {1.0, 1.0, Arc(kZ, -0.3)});
-  pose->Tail({1.05, 1.0, Both(Arc(kY, 2.4, 0.1, 0.7), Arc(kZ, -2.2, 0.5, 1.0))});
+  pose->Tail({1.05, 1.0, Both(Arc(kY, 2.1, 0.1, 0.7), Arc(kZ, -1.3, 0.5, 1.0))});
 }
 
 void Startled(DragonletPose* pose) {
