@@ -61,7 +61,11 @@ class [[nodiscard]] Result {
  public:
   Result(T value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
 
-  Result(Status status) : status_(std::move(status)) {}  // NOLINT(google-explicit-constructor)
+  // A success without a value is the caller's bug and comes out as kInternal.
+  Result(Status status) {  // NOLINT(google-explicit-constructor)
+    status_ =
+        status.ok() ? Status(StatusCode::kInternal, "a result without a value") : std::move(status);
+  }
 
   bool ok() const { return value_.has_value(); }
 

@@ -167,7 +167,10 @@ Status Picker::Impl::Build(const SkinMesh& mesh, std::span<const Vec3> solve_pos
   KeepFloatingPoint keep;
   // One thread: the caller's. Embree then never wakes workers that would compete with the game.
   device = rtcNewDevice("threads=1,set_affinity=0");
-  if (device == nullptr) return DeviceStatus("opening the device");
+  if (device == nullptr) {
+    const Status status = DeviceStatus("opening the device");
+    return status.ok() ? Error(StatusCode::kDeviceError, "Embree: no device") : status;
+  }
   scene = rtcNewScene(device);
   geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   LIMBER_RETURN_IF_ERROR(DeviceStatus("creating the scene"));

@@ -168,7 +168,9 @@ Result<float> MeasureShapes(const SkinMesh& mesh) {
   }
   const float dx = high.x - low.x, dy = high.y - low.y, dz = high.z - low.z;
   const float diagonal = std::sqrt(dx * dx + dy * dy + dz * dz);
-  if (!(diagonal > 0)) return Error(StatusCode::kDegenerate, "the first shape has no extent");
+  if (!(diagonal > 0) || !std::isfinite(diagonal))
+    return Error(StatusCode::kDegenerate,
+                 "the first shape has no extent, or one that is not a number");
   return diagonal;
 }
 

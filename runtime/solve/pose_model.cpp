@@ -64,6 +64,7 @@ double SumOfEdgeEnergies(const RigTables& tables) {
 }  // namespace
 
 Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const Rig> rig) {
+  if (rig == nullptr) return Error(StatusCode::kInvalidArgument, "no rig was given");
   const RigTables& tables = rig->tables();
   std::shared_ptr<PoseModel> model(new PoseModel());
   model->k = tables.dimension;
@@ -72,11 +73,13 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const
   model->num_modes = tables.num_modes;
   model->num_single_modes = tables.num_single_modes;
   model->num_blocks = model->num_groups * model->num_shapes;
-  if (model->num_blocks * model->k > kMaxGramColumns) {
+  const int columns = model->num_blocks * (tables.has_rotations ? model->k : 1);
+  if (columns > kMaxGramColumns) {
     return Error(StatusCode::kLimitExceeded,
-                 "%s: groups x shapes x dimension is %d; expected at most %d: use fewer shapes or "
-                 "fewer handles",
-                 rig->name().c_str(), model->num_blocks * model->k, kMaxGramColumns);
+                 "%s: %d groups, %d shapes and %d axes make %d columns; expected at most %d: use "
+                 "fewer shapes, fewer handles, or bake without rotations",
+                 rig->name().c_str(), model->num_groups, model->num_shapes,
+                 tables.has_rotations ? model->k : 1, columns, kMaxGramColumns);
   }
   for (int h = 0; h < tables.num_handles(); ++h) {
     const bool pinned = tables.handles[static_cast<size_t>(h)].pinned;

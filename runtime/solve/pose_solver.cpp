@@ -16,6 +16,7 @@ namespace {
 constexpr int kRestIterations = 30;
 constexpr double kRestTolerance = 1e-9;
 constexpr int kMaxIterations = 1'000'000;
+constexpr float kFarthestTarget = 1e6f;  // rig units: sizes of the character
 
 }  // namespace
 
@@ -99,6 +100,16 @@ Status PoseState::Impl::SetTarget(int handle, Vec3 position) {
                  static_cast<double>(position.x), static_cast<double>(position.y),
                  static_cast<double>(position.z));
   }
+  const Vec3 local = model->rig->ToRig(position);
+  const float largest = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+  if (!(largest <= kFarthestTarget)) {
+    return Error(
+        StatusCode::kInvalidArgument,
+        "%s: handle '%s': target (%g, %g, %g) is over a million times the character's size "
+        "away; the old one is kept",
+        model->rig->name().c_str(), rig_handle.name.c_str(), static_cast<double>(position.x),
+        static_cast<double>(position.y), static_cast<double>(position.z));
+  }
   StoreTarget(handle, position);
   return {};
 }
@@ -141,7 +152,8 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
           result.change = outcome.change;
           result.optimality = outcome.optimality;
           // The first alternation of a call still has last call's rotations in front of it.
-          result.settled = result.iterations > 1 && result.change <= options.settle_tolerance;
+          result.settled = options.settle_tolerance > 0 && result.iterations > 1 &&
+                           result.change <= options.settle_tolerance;
         }
         if (report == nullptr) return;
         double nearness = 0;
@@ -193,6 +205,7 @@ PoseState& PoseState::operator=(PoseState&&) noexcept = default;
 PoseState::~PoseState() = default;
 
 Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model) {
+  if (model == nullptr) return Error(StatusCode::kInvalidArgument, "no pose model was given");
   return PoseState(std::make_unique<Impl>(std::move(model)));
 }
 
@@ -211,7 +224,8 @@ Status PoseState::SetTarget(int handle, Vec3 position_mesh) {
 }
 
 Vec3 PoseState::target(int handle) const {
-  return impl_->targets.at(static_cast<size_t>(handle));
+  const bool known = handle >= 0 && handle < static_cast<int>(impl_->targets.size());
+  return known ? impl_->targets[static_cast<size_t>(handle)] : Vec3{};
 }
 
 void PoseState::ResetToRest() {

@@ -32,7 +32,7 @@ struct PoseReport {
   double elastic = 0;     // its first term alone, the square root of E_d (eq. 9)
   int iterations = 0;     // alternations done
   double change = 0;      // largest change of a blend weight or of an entry of a rotation in use
-  bool settled = false;   // change <= settle_tolerance
+  bool settled = false;   // a tolerance was given and change <= settle_tolerance
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
 };
 
@@ -48,9 +48,10 @@ class PoseState {
 
   const Rig& rig() const;
   // Mesh space. Refused with kInvalidArgument, keeping the old target: an index out of range, a
-  // free handle (it has no target), a position that is not finite.
+  // free handle (it has no target), a position that is not finite or further than a million times
+  // the character's size from it (single precision would not carry the result).
   Status SetTarget(int handle, Vec3 position_mesh);
-  // Of a free handle: its rest position.
+  // Of a free handle: its rest position. Of an index out of range: the origin.
   Vec3 target(int handle) const;
   void ResetToRest();
 

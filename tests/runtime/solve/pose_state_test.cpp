@@ -46,7 +46,49 @@ TEST_F(PoseStateTest, SetTarget_RefusesNonsenseAndKeepsTheOldTarget) {
   EXPECT_EQ(state.SetTarget(99, {}).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(state.SetTarget(top_, {0, nan, 0}).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(state.SetTarget(rig_->FindHandle("middle"), {}).code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(state.SetTarget(top_, {1e30f, 0, 0}).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(state.target(top_), before);
+  EXPECT_EQ(state.target(-1), Vec3{});
+}
+
+TEST_F(PoseStateTest, Create_WithoutARigOrModel_SaysSo) {
+  EXPECT_EQ(PoseState::Create(std::shared_ptr<const Rig>()).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(PoseState::Create(std::shared_ptr<const PoseModel>()).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST_F(PoseStateTest, FarTargets_StayFiniteAndComeBack) {
+  PoseState state = MakeState();
+  const Vec3 rest = state.target(top_);
+  for (float far : {1e2f, 1e5f, -1e5f}) {
+    ASSERT_TRUE(state.SetTarget(top_, {far, 0, far}).ok());
+    for (int frame = 0; frame < 5; ++frame)
+      ASSERT_TRUE(state.Solve({}, nullptr).ok());
+    for (float value : state.transforms().matrices)
+      ASSERT_TRUE(std::isfinite(value));
+  }
+  ASSERT_TRUE(state.SetTarget(top_, rest).ok());
+  for (int frame = 0; frame < 30; ++frame)
+    ASSERT_TRUE(state.Solve({}, nullptr).ok());
+  // Held at two points of its axis the cylinder may have turned about it: what must be back is the
+  // height of every vertex along the axis, and its distance from it.
+  const auto q = test::SkinNaively(*rig_, state.transforms());
+  for (uint32_t v = 0; v < q.size(); ++v) {
+    const Eigen::Vector3d p = test::ShapePosition(*rig_, 0, v);
+    EXPECT_NEAR(q[v].y(), p.y(), 0.05 * rig_->diagonal());
+    EXPECT_NEAR(std::hypot(q[v].x(), q[v].z()), std::hypot(p.x(), p.z()), 0.05 * rig_->diagonal());
+  }
+}
+
+TEST_F(PoseStateTest, ToleranceZero_RunsAllIterations) {
+  PoseState state = MakeState();
+  PoseOptions options;
+  options.iterations = 7;
+  PoseReport report;
+  ASSERT_TRUE(state.Solve(options, &report).ok());
+  EXPECT_EQ(report.iterations, 7);
+  EXPECT_FALSE(report.settled);
 }
 
 TEST_F(PoseStateTest, Solve_RefusesOptionsOutOfRange) {
