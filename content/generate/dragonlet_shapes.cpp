@@ -130,7 +130,7 @@ void Lean(double side, DragonletPose* pose) {
   pose->Ears(side > 0 ? ear_down : ear_up, side > 0 ? ear_up : ear_down);
   pose->Tail(
       {1.1, 1.0,
-       Both(Arc(kY, side > 0 ? 1.7 : -2.3, 0.1, 0.7), Arc(kZ, side > 0 ? -0.9 : 0.5, 0.5, 1.0))});
+       Both(Arc(kY, side > 0 ? 1.2 : -2.1, 0.1, 0.7), Arc(kZ, side > 0 ? -0.4 : 0.4, 0.5, 1.0))});
 }
 
 void Wave(DragonletPose* pose) {

@@ -49,7 +49,8 @@ labels=(-pointsize 27 -annotate +30+62 'Example shapes' -annotate +770+62 'Dragg
 names=(squash stretch puff curl lean wave)
 for i in {0..5}; do
   frame=$(printf '%s/examples/frame_%04d.png' "$work" $((6 * (i + 2) - 1)))
-  x=$((384 + i % 2 * 184)) y=$((88 + i / 2 * 197))
+  row=$((i / 2))
+  x=$((384 + i % 2 * 184)) y=$((88 + row * 197))
   card "$frame" 172 186 "$work/example_$i.png"
   layout+=("$work/example_$i.png" -geometry "+$x+$y" -composite)
   labels+=(-annotate "+$((x + 12))+$((y + 24))" "${names[i]}")
