@@ -208,6 +208,11 @@ Result<RawCharacter> ImportGltf(const GltfFile& file, const ImportOptions& optio
   raw.warnings = std::move(mesh->warnings);
   FillShapes(*mesh, options.include_base, &raw);
   FillSurface(&*mesh, &raw);
+  if (!options.include_base) {
+    // The file's normals are the base's; the first example shape gets its own, computed.
+    raw.normals.clear();
+    raw.tangents.clear();
+  }
   LIMBER_RETURN_IF_ERROR(ReadMarks(file, &raw).WithContext(file.name()));
   return raw;
 }

@@ -14,7 +14,8 @@ struct ImportOptions {
   // The mesh node: its name, or its index in decimal. Empty: the only node whose mesh has morph
   // targets.
   std::string node;
-  // Whether the base mesh is an example shape itself (the first one, "base").
+  // Whether the base mesh is an example shape itself (the first one, "base"). Without it the first
+  // target is at rest, and normals are computed from it: those of the file belong to the base.
   bool include_base = true;
 };
 

@@ -245,6 +245,11 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   LIMBER_RETURN_IF_ERROR(ReadWeights(file, *mesh, *first_draw, &skin));
   LIMBER_RETURN_IF_ERROR(
       FillShapes(file.limits(), *rig, *mesh, *first_draw, &skin).WithContext(place));
+  if (rig->shape_targets.front() != -1) {
+    // The file's normals are those of the base mesh, which is no example here.
+    mesh->normals.clear();
+    mesh->tangents.clear();
+  }
   MoveSurface(rig->tables.space, &*mesh, &skin);
   CheckHandleNodes(file, &rig->tables);
   const std::string name =
