@@ -74,7 +74,7 @@ Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& o
     LIMBER_RETURN_IF_ERROR(ApplyFrame(run.frames[i], &*state));
     PoseReport report;
     auto start = Clock::now();
-    LIMBER_RETURN_IF_ERROR(state->Solve(options.run.ForSolver(), &report));
+    LIMBER_RETURN_IF_ERROR(state->Solve(options.run.ForSolver(*run.rig), &report));
     sums.solve += MillisecondsSince(start);
     const auto dots = options.dots ? Dots(*state) : std::vector<viewer::HandleDot>();
     LIMBER_RETURN_IF_ERROR(renderer->RenderFrame(state->transforms(), camera, dots, &image));

@@ -79,7 +79,7 @@ Result<Solved> SolveFrames(const PoseRun& run, const PoseRunOptions& options,
     if (!progress->Update("solve", double(i) / double(run.frames.size()))) {
       return Error(StatusCode::kInvalidArgument, "interrupted");
     }
-    const auto frame = SolveFrame(run.frames[i], options.ForSolver(), &*state);
+    const auto frame = SolveFrame(run.frames[i], options.ForSolver(*run.rig), &*state);
     if (!frame.ok()) return frame.status().WithContext("frame " + std::to_string(i));
     LIMBER_RETURN_IF_ERROR(skinner->SkinPositionsOnly(state->transforms()));
     const std::string name = FrameName(i) + ".obj";

@@ -60,11 +60,11 @@ void PoseRunOptions::AddTo(CLI::App* app) {
   app->add_flag("--settle", settle, "Go on in each frame until nothing moves any more");
 }
 
-PoseOptions PoseRunOptions::ForSolver() const {
+PoseOptions PoseRunOptions::ForSolver(const Rig& rig) const {
   PoseOptions pose;
   pose.iterations = iterations > 0 ? iterations : settle ? kSettleIterations : kDefaultIterations;
   pose.lambda = lambda;
-  pose.rotations = !no_rotations;
+  pose.rotations = !no_rotations && rig.tables().has_rotations;
   pose.settle_tolerance = settle ? kSettleTolerance : 0;
   return pose;
 }

@@ -26,7 +26,8 @@ struct PoseRunOptions {
   bool settle = false;
 
   void AddTo(CLI::App* app);
-  PoseOptions ForSolver() const;
+  // A rig baked without rotations is solved without them.
+  PoseOptions ForSolver(const Rig& rig) const;
 };
 
 struct PoseFrame {

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 
 namespace limber::test {
 namespace {
@@ -23,7 +25,8 @@ Vec3 FromEigen(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& source, int num_handles,
+Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& source,
+                                               const std::filesystem::path& file, int num_handles,
                                                bool rotations) {
   Result<bake::RawCharacter> raw = bake::ImportGltf(source);
   if (!raw.ok()) return raw.status();
@@ -34,8 +37,6 @@ Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& sour
   Result<bake::BakedCharacter> baked =
       bake::Bake(*raw, bake::ChooseHandles(*raw, mesh, num_handles), options, {});
   if (!baked.ok()) return baked.status();
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.path() / "baked.glb";
   LIMBER_RETURN_IF_ERROR(bake::WriteBaked(source, *raw, *baked, file));
   return LoadRig(file);
 }
@@ -44,7 +45,11 @@ Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& sour
 
 std::optional<AccuracyCharacter> AccuracyCharacter::Make(const std::filesystem::path& source,
                                                          int num_handles, bool rotations) {
-  Result<std::shared_ptr<const Rig>> rig = BakeAndLoad(source, num_handles, rotations);
+  const std::filesystem::path folder = std::filesystem::path(LIMBER_BINARY_DIR) / "pictures";
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  const std::filesystem::path file = folder / (source.stem().string() + ".glb");
+  Result<std::shared_ptr<const Rig>> rig = BakeAndLoad(source, file, num_handles, rotations);
   EXPECT_TRUE(rig.ok()) << rig.status().message();
   if (!rig.ok()) return std::nullopt;
   Result<PoseState> state = PoseState::Create(*rig);
@@ -52,6 +57,7 @@ std::optional<AccuracyCharacter> AccuracyCharacter::Make(const std::filesystem::
   if (!state.ok()) return std::nullopt;
   AccuracyCharacter character;
   character.rig_ = *rig;
+  character.baked_file_ = file;
   character.state_.emplace(std::move(state).value());
   character.options_.rotations = rotations;
 
@@ -115,6 +121,7 @@ void AccuracyCharacter::DragTo(const Points& goal, int steps,
           state_->SetTarget(h, FromEigen(start + fraction * (goal[handle.vertex] - start))).ok());
     }
     EXPECT_TRUE(state_->Solve(options_, nullptr).ok());
+    RecordFrame();
     if (after_frame) after_frame();
   }
 }
@@ -126,6 +133,26 @@ PoseReport AccuracyCharacter::Settle(int most) {
   PoseReport report;
   EXPECT_TRUE(state_->Solve(options, &report).ok());
   return report;
+}
+
+void AccuracyCharacter::RecordFrame() {
+  frames_ += frames_.empty() ? "" : ",\n";
+  frames_ += R"({"targets": {)";
+  for (int h = 0; h < rig_->num_handles(); ++h) {
+    const Vec3 p = state_->target(h);
+    char line[256];
+    std::snprintf(line, sizeof line, "%s\"%s\": [%.9g, %.9g, %.9g]", h == 0 ? "" : ", ",
+                  rig_->tables().handles[static_cast<size_t>(h)].name.c_str(), double{p.x},
+                  double{p.y}, double{p.z});
+    frames_ += line;
+  }
+  frames_ += "}}";
+}
+
+void AccuracyCharacter::KeepFrames() const {
+  std::filesystem::path file = baked_file_;
+  file.replace_extension(".json");
+  std::ofstream(file) << "{\"frames\": [\n" << frames_ << "\n]}\n";
 }
 
 double AccuracyCharacter::RmsPercent(const Points& goal) const {

@@ -22,6 +22,7 @@ using Points = std::vector<Eigen::Vector3d>;  // [V] solve vertices, mesh space
 class AccuracyCharacter {
  public:
   // Imports a glTF, chooses `num_handles` handles, bakes, writes, loads. Fails the test on error.
+  // The baked file stays in pictures/ of the build folder (see real_characters.sh).
   static std::optional<AccuracyCharacter> Make(const std::filesystem::path& source, int num_handles,
                                                bool rotations);
 
@@ -35,6 +36,8 @@ class AccuracyCharacter {
 
   // Moves all handles in equal steps along straight lines to where `goal` has them.
   void DragTo(const Points& goal, int steps, const std::function<void()>& after_frame = {});
+  // Writes every frame that DragTo made so far beside the baked file, for `limber render`.
+  void KeepFrames() const;
   // Alternates until at rest, at most `most` times.
   PoseReport Settle(int most);
 
@@ -47,12 +50,16 @@ class AccuracyCharacter {
   void ExpectSound(double longest, double jump);
 
  private:
+  void RecordFrame();
+
   std::shared_ptr<const Rig> rig_;
   std::optional<PoseState> state_;
   PoseOptions options_;
   std::vector<std::pair<uint32_t, uint32_t>> edges_;
   std::vector<double> edge_length_;  // longest over the examples
   Points last_;
+  std::filesystem::path baked_file_;
+  std::string frames_;  // JSON so far
 };
 
 }  // namespace limber::test

@@ -75,6 +75,7 @@ TEST(Accuracy, Human_RaisesItsArmsAndKicksAtOnce) {
   const Points goal = LegsOf(human->Shape(human->FindShape("kick")),
                              human->Shape(human->FindShape("arms-up")), human->Shape(0));
   human->DragTo(goal, 40, [&human] { human->ExpectSound(2.5, 0.1); });
+  human->KeepFrames();
   human->Settle(400);
   const double rms = human->RmsPercent(goal);
   std::printf("human: arms up and kick: RMS %.4f %% of the diagonal\n", rms);
@@ -93,6 +94,7 @@ void PlayThroughExamples(AccuracyCharacter* character, const std::vector<int>& s
       goal[v] += 0.1 * (goal[v] - rest[v]);
     character->DragTo(goal, 25, [&] { character->ExpectSound(longest, jump); });
   }
+  character->KeepFrames();
 }
 
 TEST(Accuracy, Lion_PlaysThroughItsPoses) {
