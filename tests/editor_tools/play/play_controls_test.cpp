@@ -241,12 +241,12 @@ TEST_F(PlayControlsTest, TargetsThrownFarAway_CanBeBroughtBack) {
   Load(test::BakeCylinder());
   const int top = Handle("top");
   const Vec3 rest = Position(top);
-  character_->MoveHandle(top, {3e37f, 0, 0});
+  character_->MoveHandle(top, {1e6f, 0, 0});
   ASSERT_TRUE(character_->Step().ok());
   controls_->PointerMoved(400, 300);
   EXPECT_TRUE(controls_->UpdateHover().ok());
   character_->MoveHandle(top, {std::numeric_limits<float>::quiet_NaN(), 0, 0});
-  EXPECT_EQ(Position(top), (Vec3{3e37f, 0, 0})) << "refused";
+  EXPECT_EQ(Position(top), (Vec3{1e6f, 0, 0})) << "refused";
   ASSERT_TRUE(controls_->KeyPressed(PlayKey::kReset).ok());
   Settle();
   EXPECT_LT(Distance(Position(top), rest), 1e-5f);
