@@ -26,10 +26,11 @@ groups=(build libraries pictures tests)   # in this order; a demo needs all but 
 declare -A packages=(
   [build]="cmake ninja-build g++ libc6-dev glslang-tools pkg-config"
   [libraries]="libeigen3-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libstb-dev libpng-dev
-    libglm-dev libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev"
+    libglm-dev libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev
+    libgtest-dev libbenchmark-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
-  [tests]="libgtest-dev libbenchmark-dev vulkan-validationlayers spirv-tools xvfb xauth xdotool
-    clang-format clang-tidy shellcheck"
+  [tests]="vulkan-validationlayers spirv-tools xvfb xauth xdotool clang-format clang-tidy
+    shellcheck"
 )
 
 say() { printf 'setup: %s\n' "$*"; }
