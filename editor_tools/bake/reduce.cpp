@@ -93,8 +93,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   const auto cancelled = [&progress](const char* stage, double fraction) {
     return progress && !progress(stage, fraction);
   };
-  const Status stop(StatusCode::kInvalidArgument, "cancelled");
-  if (cancelled("tensors", 0)) return stop;
+  if (cancelled("tensors", 0)) return Error(StatusCode::kInvalidArgument, "cancelled");
   const std::vector<Eigen::MatrixXd> shapes = ToRigSpace(*input.mesh, *tables);
   const Eigen::SparseMatrix<double> laplacian =
       SumLaplacian(*input.edges, input.mesh->num_vertices());
@@ -104,12 +103,13 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
       SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian);
   if (!basis.ok()) return basis.status();
   StoreModes(input, *basis, tables);
-  if (cancelled("tensors", 0.5)) return stop;
+  if (cancelled("tensors", 0.5)) return Error(StatusCode::kInvalidArgument, "cancelled");
 
   // Edges of the examples as the modes reach them: a millionth off in length, which on a fine mesh
   // would be a thousandth of the energy's root, and an example must cost nothing at its own
   // handles.
   std::vector<Eigen::MatrixXd> reached;
+  reached.reserve(shapes.size());
   for (const Eigen::MatrixXd& shape : shapes) {
     reached.push_back(ReachableShape(*basis, laplacian, shape));
   }
@@ -124,7 +124,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   tables->residual_rank = static_cast<int32_t>(factor.rows());
   tables->residual_factor.clear();
   StoreRows(factor, &tables->residual_factor);
-  if (cancelled("tensors", 0.75)) return stop;
+  if (cancelled("tensors", 0.75)) return Error(StatusCode::kInvalidArgument, "cancelled");
 
   const std::vector<GroupTensors> groups =
       BuildGroupTensors(shapes, *input.edges, input.num_groups);

@@ -99,7 +99,7 @@ Status CheckTables(const RigTables& tables) {
   LIMBER_RETURN_IF_ERROR(Expect("number of modes", tables.num_modes, 0, std::min(n, kMaxModes)));
   LIMBER_RETURN_IF_ERROR(Expect("residual rank", tables.residual_rank, 0, num_columns));
   LIMBER_RETURN_IF_ERROR(Expect("number of single modes", tables.num_single_modes, 0,
-                                tables.num_handles() * (tables.dimension + 1)));
+                                int64_t{tables.num_handles()} * (tables.dimension + 1)));
   LIMBER_RETURN_IF_ERROR(CheckSpace(tables.space));
   Status status;
   VisitRigTables(tables, [&status](const char* name, const std::vector<float>& table,
@@ -153,14 +153,15 @@ Status CheckMesh(const SkinMesh& mesh) {
 // Finite positions, and the diagonal of the first shape's box, in rig units.
 Result<float> MeasureShapes(const SkinMesh& mesh) {
   Vec3 low = {1e30f, 1e30f, 1e30f}, high = {-1e30f, -1e30f, -1e30f};
+  const size_t vertices = std::max(mesh.num_solve_vertices, 1u);
   for (size_t i = 0; i < mesh.shape_positions.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       const float x = mesh.shape_positions[i][axis];
       if (!std::isfinite(x)) {
         return Error(StatusCode::kMalformed, "shape %zu, vertex %zu: position is not finite",
-                     i / mesh.num_solve_vertices, i % mesh.num_solve_vertices);
+                     i / vertices, i % vertices);
       }
-      if (i < mesh.num_solve_vertices) {
+      if (i < vertices) {
         low[axis] = std::min(low[axis], x);
         high[axis] = std::max(high[axis], x);
       }

@@ -75,8 +75,9 @@ template <int K>
 void Alternation<K>::ResetToRest(const PoseModel& model) {
   HoldRotationsAtIdentity();
   std::fill(blend_.begin(), blend_.end(), 0.0);
-  for (int g = 0; g < model.num_groups; ++g)
-    blend_[g * model.num_shapes] = 1;
+  for (int block = 0; block < model.num_blocks; block += model.num_shapes) {
+    blend_[static_cast<size_t>(block)] = 1;
+  }
   energy_.MinimiseModes(model, targets, blend_.data(), rotations_, &modes_, &translation_);
   if (!model.rig->tables().has_rotations) return;
   FitRotations(model);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace limber {
@@ -179,7 +180,7 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
 bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* blend) const {
   if (value_ > problem.matched) return false;
   for (int g = 0; g < num_groups_; ++g) {
-    const double* nearness = problem.nearness + g * num_shapes_;
+    const double* nearness = problem.nearness + std::ptrdiff_t{g} * num_shapes_;
     const double nearest = *std::min_element(nearness, nearness + num_shapes_);
     for (int s = 0; s < num_shapes_; ++s) {
       if (blend[g * num_shapes_ + s] > 0 && nearness[s] > nearest) return false;

@@ -99,7 +99,7 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const
                         1 + r1);
     model->single_constraints.push_back(ConstraintSystem::Create(PinnedRows(rows, model->pinned)));
   }
-  model->mode_edges = MapTable(tables.mode_edges, model->num_blocks * model->k, r);
+  model->mode_edges = MapTable(tables.mode_edges, Eigen::Index{model->num_blocks} * model->k, r);
   model->mode_transforms = MapTable(tables.mode_transforms, tables.num_transform_rows(), 1 + r);
   model->constraint_load = model->mode_edges.cast<double>() * model->constraints.modes.transpose();
   BuildGram(tables, model.get());

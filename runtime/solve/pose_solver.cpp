@@ -18,6 +18,24 @@ constexpr double kRestTolerance = 1e-9;
 constexpr int kMaxIterations = 1'000'000;
 constexpr float kFarthestTarget = 1e6f;  // rig units: sizes of the character
 
+// scale * basis * [A | t] for every block of T^ (n x K), 3x4 row-major, with A the block
+// transposed; in the plane the third rig coordinate is zero and stays so.
+template <int K>
+void StoreMatrices(const RigSpace& space,
+                   const Eigen::Matrix<double, Eigen::Dynamic, K>& transforms, float* matrices) {
+  const Eigen::Map<const Eigen::Matrix3f> basis(space.basis.data());
+  const Eigen::Matrix<double, 3, K> to_mesh =
+      static_cast<double>(space.scale) * basis.cast<double>().leftCols<K>();
+  for (Eigen::Index row = 0; row < transforms.rows(); row += K + 1, matrices += 12) {
+    const Eigen::Matrix<double, 3, K + 1> affine =
+        to_mesh * transforms.template middleRows<K + 1>(row).transpose();
+    Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> out(matrices);
+    out.setZero();
+    out.template leftCols<K>() = affine.template leftCols<K>().template cast<float>();
+    out.col(3) = affine.col(K).template cast<float>();
+  }
+}
+
 }  // namespace
 
 class PoseState::Impl {
@@ -167,34 +185,14 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
   return {};
 }
 
-// matrices = scale * basis * [A | t], with A = T^ transposed block by block; in the plane the
-// third rig coordinate is zero and stays so.
 void PoseState::Impl::UpdateMatrices() {
-  const RigTables& tables = model->rig->tables();
-  const auto fill = [&](const auto& transforms) {
-    const auto k = static_cast<int>(transforms.cols());
-    const Eigen::Index blocks = transforms.rows() / (k + 1);
-    for (Eigen::Index block = 0; block < blocks; ++block) {
-      for (int row = 0; row < 3; ++row) {
-        float* out = matrices.data() + (block * 3 + row) * 4;
-        for (int column = 0; column < 4; ++column) {
-          double sum = 0;
-          const int source = column == 3 ? k : column;
-          for (int axis = 0; axis < k && (source < k || column == 3); ++axis) {
-            sum += static_cast<double>(tables.space.basis[3 * axis + row]) *
-                   transforms(block * (k + 1) + source, axis);
-          }
-          out[column] = static_cast<float>(static_cast<double>(tables.space.scale) * sum);
-        }
-      }
-    }
-  };
+  const RigSpace& space = model->rig->tables().space;
   if (model->k == 2) {
     std::get<Alternation<2>>(alternation).Transforms(*model, &transforms2_);
-    fill(transforms2_);
+    StoreMatrices(space, transforms2_, matrices.data());
   } else {
     std::get<Alternation<3>>(alternation).Transforms(*model, &transforms3_);
-    fill(transforms3_);
+    StoreMatrices(space, transforms3_, matrices.data());
   }
 }
 

@@ -50,7 +50,8 @@ double ReducedEnergy<K>::Value(const PoseModel& model, const double* blend,
     return energy;
   }
   const float* row = tables.residual_factor.data();
-  for (int i = 0; i < tables.residual_rank; ++i, row += model.num_blocks * K) {
+  const Eigen::Index row_length = Eigen::Index{model.num_blocks} * K;
+  for (int i = 0; i < tables.residual_rank; ++i, row += row_length) {
     Eigen::Matrix<double, K, 1> sum = Eigen::Matrix<double, K, 1>::Zero();
     for (int j = 0; j < model.num_blocks; ++j) {
       if (blend[j] == 0) continue;
