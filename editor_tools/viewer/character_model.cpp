@@ -10,24 +10,18 @@ namespace limber::viewer {
 namespace {
 
 template <class T>
-Result<VulkanBuffer> FilledBuffer(const VulkanDevice& device, const std::vector<T>& values,
-                                  VkBufferUsageFlags usage) {
-  Result<VulkanBuffer> buffer = VulkanBuffer::Create(
-      device.api(), std::max<size_t>(values.size() * sizeof(T), 16), usage,
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (!buffer.ok()) return buffer;
-  if (!values.empty()) {
-    std::memcpy(buffer->mapped(), values.data(), values.size() * sizeof(T));
-  }
-  LIMBER_RETURN_IF_ERROR(buffer->Flush());
-  return buffer;
+Status FillBuffer(const VulkanDevice& device, const std::vector<T>& values,
+                  VkBufferUsageFlags usage, VulkanBuffer* buffer) {
+  const size_t bytes = values.size() * sizeof(T);
+  LIMBER_RETURN_IF_ERROR(
+      buffer->Create(device.api(), std::max<size_t>(bytes, 16), usage, kUploadMemory));
+  if (bytes > 0) std::memcpy(buffer->mapped(), values.data(), bytes);
+  return buffer->Flush();
 }
 
 }  // namespace
 
 CharacterModel::~CharacterModel() {
-  instance_.reset();
-  vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
   for (const auto& [key, sampler] : samplers_) {
     vkDestroySampler(device_->handle(), sampler, nullptr);
   }
@@ -64,17 +58,11 @@ Status CharacterModel::CreateSkinner(const CharacterSource& source, uint32_t fra
 
 Status CharacterModel::CreateMesh(const SkinMesh& mesh) {
   num_indices_ = static_cast<uint32_t>(mesh.triangles.size());
-  Result<VulkanBuffer> indices =
-      FilledBuffer(*device_, mesh.triangles, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
-  if (!indices.ok()) return indices.status();
-  indices_ = std::move(*indices);
+  LIMBER_RETURN_IF_ERROR(
+      FillBuffer(*device_, mesh.triangles, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &indices_));
   std::vector<float> coordinates = mesh.texcoords;
   coordinates.resize(size_t{mesh.num_draw_vertices} * 2, 0.0f);
-  Result<VulkanBuffer> texcoords =
-      FilledBuffer(*device_, coordinates, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-  if (!texcoords.ok()) return texcoords.status();
-  texcoords_ = std::move(*texcoords);
-  return {};
+  return FillBuffer(*device_, coordinates, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &texcoords_);
 }
 
 void CharacterModel::ListDraws(const CharacterSource& source) {
@@ -164,45 +152,33 @@ VkSampler CharacterModel::Sampler(const MaterialTexture& texture) {
 }
 
 Status CharacterModel::CreateSets(VkDescriptorSetLayout layout) {
-  const auto count = static_cast<uint32_t>(std::max<size_t>(1, draws_.size()));
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2 * count};
-  auto pool = VulkanInfo<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  pool.maxSets = count;
-  pool.poolSizeCount = 1;
-  pool.pPoolSizes = &size;
-  LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &pool_), "vkCreateDescriptorPool"));
-  for (CharacterDraw& draw : draws_) {
-    auto allocate =
-        VulkanInfo<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-    allocate.descriptorPool = pool_;
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &layout;
-    LIMBER_RETURN_IF_ERROR(
-        VulkanStatus(vkAllocateDescriptorSets(device_->handle(), &allocate, &draw.set),
-                     "vkAllocateDescriptorSets"));
-    std::array<VkDescriptorImageInfo, 2> images{};
-    std::array<VkWriteDescriptorSet, 2> writes{};
-    for (uint32_t i = 0; i < 2; ++i) {
-      const MaterialTexture& texture = i == LIMBER_VIEW_BASE_COLOR
-                                           ? draw.material.base_color_texture
-                                           : draw.material.normal_texture;
-      const std::vector<int>& slots = i == LIMBER_VIEW_BASE_COLOR ? color_slot_ : normal_slot_;
-      const int slot = texture.image < 0 ? 0 : slots[static_cast<size_t>(texture.image)];
-      images[i] = {Sampler(texture), textures_[static_cast<size_t>(slot)].view(),
-                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-      if (images[i].sampler == VK_NULL_HANDLE) {
-        return Error(StatusCode::kDeviceError, "vulkan: vkCreateSampler failed");
-      }
-      writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-      writes[i].dstSet = draw.set;
-      writes[i].dstBinding = i;
-      writes[i].descriptorCount = 1;
-      writes[i].descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-      writes[i].pImageInfo = &images[i];
-    }
-    vkUpdateDescriptorSets(device_->handle(), 2, writes.data(), 0, nullptr);
+  const VkDescriptorPoolSize two_samplers{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2};
+  LIMBER_RETURN_IF_ERROR(sets_.Create(device_->api(), layout, draws_.size(), {&two_samplers, 1}));
+  for (size_t i = 0; i < draws_.size(); ++i) {
+    draws_[i].set = sets_[i];
+    LIMBER_RETURN_IF_ERROR(WriteSet(draws_[i]));
   }
+  return {};
+}
+
+Status CharacterModel::WriteSet(const CharacterDraw& draw) {
+  std::array<VkDescriptorImageInfo, 2> images{};
+  std::array<VkWriteDescriptorSet, 2> writes{};
+  for (uint32_t i = 0; i < 2; ++i) {
+    const bool is_color = i == LIMBER_VIEW_BASE_COLOR;
+    const MaterialTexture& texture =
+        is_color ? draw.material.base_color_texture : draw.material.normal_texture;
+    const std::vector<int>& slots = is_color ? color_slot_ : normal_slot_;
+    const int slot = texture.image < 0 ? 0 : slots[static_cast<size_t>(texture.image)];
+    images[i] = {Sampler(texture), textures_[static_cast<size_t>(slot)].view(),
+                 VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    if (images[i].sampler == VK_NULL_HANDLE) {
+      return Error(StatusCode::kDeviceError, "vulkan: vkCreateSampler failed");
+    }
+    writes[i] = DescriptorWrite(draw.set, i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER);
+    writes[i].pImageInfo = &images[i];
+  }
+  vkUpdateDescriptorSets(device_->handle(), 2, writes.data(), 0, nullptr);
   return {};
 }
 

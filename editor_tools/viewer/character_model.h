@@ -58,6 +58,7 @@ class CharacterModel {
   void ListDraws(const CharacterSource& source);
   Status CreateTextures(const MaterialSet& set);
   Status CreateSets(VkDescriptorSetLayout layout);
+  Status WriteSet(const CharacterDraw& draw);
   Status AddTexture(const Image& image, bool srgb, int* slot);
   VkSampler Sampler(const MaterialTexture& texture);
 
@@ -70,7 +71,7 @@ class CharacterModel {
   std::vector<GpuImage> textures_;             // [0] is one white pixel
   std::vector<int> color_slot_, normal_slot_;  // by image: index into textures_, -1 unused
   std::vector<std::pair<uint32_t, VkSampler>> samplers_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  VulkanDescriptors sets_;
 };
 
 }  // namespace limber::viewer

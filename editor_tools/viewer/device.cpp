@@ -1,5 +1,7 @@
 #include "viewer/device.h"
 
+#include "viewer/vulkan_list.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -28,23 +30,31 @@ VkDebugUtilsMessengerCreateInfoEXT MessengerInfo(ValidationLog* log) {
 }
 
 bool HasValidationLayer() {
-  uint32_t count = 0;
-  vkEnumerateInstanceLayerProperties(&count, nullptr);
-  std::vector<VkLayerProperties> layers(count);
-  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  std::vector<VkLayerProperties> layers;
+  ListAll(vkEnumerateInstanceLayerProperties, &layers);
   return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
     return std::strcmp(layer.layerName, kValidationLayer) == 0;
   });
 }
 
 bool HasDeviceExtension(VkPhysicalDevice device, const char* name) {
-  uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+  std::vector<VkExtensionProperties> extensions;
+  const auto ask = [device](uint32_t* count, VkExtensionProperties* out) {
+    return vkEnumerateDeviceExtensionProperties(device, nullptr, count, out);
+  };
+  ListAll(ask, &extensions);
   return std::any_of(extensions.begin(), extensions.end(), [name](const auto& extension) {
     return std::strcmp(extension.extensionName, name) == 0;
   });
+}
+
+std::vector<VkQueueFamilyProperties> QueueFamilies(VkPhysicalDevice device) {
+  std::vector<VkQueueFamilyProperties> families;
+  const auto ask = [device](uint32_t* count, VkQueueFamilyProperties* out) {
+    vkGetPhysicalDeviceQueueFamilyProperties(device, count, out);
+  };
+  ListAll(ask, &families);
+  return families;
 }
 
 int Preference(VkPhysicalDeviceType type) {
@@ -136,12 +146,9 @@ Status VulkanDevice::CreateInstance(const DeviceOptions& options) {
 }
 
 bool VulkanDevice::FindQueueFamily(VkPhysicalDevice candidate, uint32_t* family) const {
-  uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(candidate, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(candidate, &count, families.data());
+  const std::vector<VkQueueFamilyProperties> families = QueueFamilies(candidate);
   constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (uint32_t i = 0; i < count; ++i) {
+  for (uint32_t i = 0; i < families.size(); ++i) {
     if ((families[i].queueFlags & kNeeded) != kNeeded) continue;
     if (surface_ != VK_NULL_HANDLE) {
       VkBool32 presents = VK_FALSE;
@@ -155,10 +162,11 @@ bool VulkanDevice::FindQueueFamily(VkPhysicalDevice candidate, uint32_t* family)
 }
 
 Status VulkanDevice::ChoosePhysicalDevice() {
-  uint32_t count = 0;
-  vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-  std::vector<VkPhysicalDevice> candidates(count);
-  vkEnumeratePhysicalDevices(instance_, &count, candidates.data());
+  std::vector<VkPhysicalDevice> candidates;
+  const auto ask = [this](uint32_t* count, VkPhysicalDevice* out) {
+    return vkEnumeratePhysicalDevices(instance_, count, out);
+  };
+  ListAll(ask, &candidates);
   int best = 0;
   for (VkPhysicalDevice candidate : candidates) {
     VkPhysicalDeviceProperties properties;
@@ -178,9 +186,9 @@ Status VulkanDevice::ChoosePhysicalDevice() {
   if (best > 0) return {};
   return Error(
       StatusCode::kDeviceError,
-      "vulkan: none of %u devices has Vulkan 1.1 with graphics%s; install a driver (Mesa's "
+      "vulkan: none of %zu devices has Vulkan 1.1 with graphics%s; install a driver (Mesa's "
       "lavapipe is in mesa-vulkan-drivers)",
-      count, surface_ != VK_NULL_HANDLE ? " and can present to this window" : "");
+      candidates.size(), surface_ != VK_NULL_HANDLE ? " and can present to this window" : "");
 }
 
 Status VulkanDevice::CreateDevice(bool with_swapchain) {
@@ -208,11 +216,7 @@ Status VulkanDevice::CreateDevice(bool with_swapchain) {
       VulkanStatus(vkCreateDevice(physical_device_, &info, nullptr, &device_), "vkCreateDevice"));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 
-  uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_device_, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_device_, &count, families.data());
-  const bool timestamps = families[queue_family_].timestampValidBits > 0;
+  const bool timestamps = QueueFamilies(physical_device_)[queue_family_].timestampValidBits > 0;
   timestamp_period_ = timestamps ? double{properties_.limits.timestampPeriod} : 0;
 
   auto pool = VulkanInfo<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);

@@ -1,26 +1,20 @@
 #include "viewer/gpu_image.h"
 
+#include "skin_vulkan/vulkan_buffer.h"
+
 #include <utility>
 
 namespace limber::viewer {
-namespace {
 
-// Device-local if there is such a type, otherwise any that the image allows.
-uint32_t ChooseMemoryType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allowed) {
-  uint32_t any = 0;
-  for (uint32_t i = memory.memoryTypeCount; i-- > 0;) {
-    if ((allowed >> i & 1) != 0) any = i;
-  }
-  for (uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-    if ((allowed >> i & 1) != 0 &&
-        (memory.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0) {
-      return i;
-    }
-  }
-  return any;
+VkImageMemoryBarrier LayoutChange(VkImage image, VkImageLayout from, VkImageLayout to) {
+  auto barrier = VulkanInfo<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0, 1};
+  return barrier;
 }
-
-}  // namespace
 
 GpuImage& GpuImage::operator=(GpuImage&& other) noexcept {
   if (this == &other) return *this;
@@ -40,8 +34,9 @@ void GpuImage::Destroy() {
   device_ = VK_NULL_HANDLE;
 }
 
-Result<GpuImage> GpuImage::Create(const VulkanDevice& device, const GpuImageOptions& options) {
-  GpuImage image;
+Status GpuImage::Create(const VulkanDevice& device, const GpuImageOptions& options) {
+  GpuImage image;  // freed on the way out of an error
+  *this = GpuImage();
   image.device_ = device.handle();
   auto info = VulkanInfo<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
   info.imageType = VK_IMAGE_TYPE_2D;
@@ -58,7 +53,8 @@ Result<GpuImage> GpuImage::Create(const VulkanDevice& device, const GpuImageOpti
   vkGetImageMemoryRequirements(image.device_, image.image_, &needs);
   auto allocate = VulkanInfo<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex = ChooseMemoryType(device.api().memory, needs.memoryTypeBits);
+  LIMBER_RETURN_IF_ERROR(ChooseMemoryType(device.api(), needs.memoryTypeBits, kDeviceMemory,
+                                          &allocate.memoryTypeIndex));
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
       vkAllocateMemory(image.device_, &allocate, nullptr, &image.memory_), "vkAllocateMemory"));
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
@@ -71,7 +67,8 @@ Result<GpuImage> GpuImage::Create(const VulkanDevice& device, const GpuImageOpti
   view.subresourceRange = {options.aspect, 0, options.mip_levels, 0, 1};
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
       vkCreateImageView(image.device_, &view, nullptr, &image.view_), "vkCreateImageView"));
-  return image;
+  *this = std::move(image);
+  return {};
 }
 
 }  // namespace limber::viewer

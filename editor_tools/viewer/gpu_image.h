@@ -14,6 +14,9 @@ struct GpuImageOptions {
   VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
 };
 
+// All of an image's mipmaps, from one layout to another; the caller adds the accesses.
+VkImageMemoryBarrier LayoutChange(VkImage image, VkImageLayout from, VkImageLayout to);
+
 class GpuImage {
  public:
   GpuImage() = default;
@@ -24,8 +27,9 @@ class GpuImage {
 
   ~GpuImage() { Destroy(); }
 
-  // Device-local. `device` must outlive the image. Errors: kDeviceError.
-  static Result<GpuImage> Create(const VulkanDevice& device, const GpuImageOptions& options);
+  // Makes the image anew, device-local; what it held before is freed, and after an error it is
+  // empty. `device` must outlive the image. Errors: kDeviceError.
+  Status Create(const VulkanDevice& device, const GpuImageOptions& options);
 
   VkImage handle() const { return image_; }
 

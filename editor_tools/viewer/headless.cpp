@@ -1,7 +1,6 @@
 #include "viewer/headless.h"
 
 #include <chrono>
-#include <cstring>
 
 namespace limber::viewer {
 namespace {
@@ -12,11 +11,6 @@ double MillisecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 }  // namespace
-
-HeadlessRenderer::~HeadlessRenderer() {
-  renderer_.reset();
-  pixels_ = VulkanBuffer();
-}
 
 Result<std::unique_ptr<HeadlessRenderer>> HeadlessRenderer::Create(
     const Rig& rig, const std::filesystem::path& materials_file, const HeadlessOptions& options) {
@@ -52,31 +46,9 @@ Result<std::unique_ptr<HeadlessRenderer>> HeadlessRenderer::Create(const Charact
   if (!renderer.ok()) return renderer.status();
   headless->renderer_ = std::move(*renderer);
 
-  Result<VulkanBuffer> pixels = VulkanBuffer::Create(
-      headless->device_->api(), VkDeviceSize{options.width} * options.height * 4,
-      VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-      VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
-  if (!pixels.ok()) return pixels.status();
-  headless->pixels_ = std::move(*pixels);
+  LIMBER_RETURN_IF_ERROR(
+      headless->reader_.Create(*headless->device_, {options.width, options.height}));
   return headless;
-}
-
-void HeadlessRenderer::RecordReadback(VkCommandBuffer commands) const {
-  const VkExtent2D size = renderer_->extent();
-  VkBufferImageCopy copy{};
-  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.imageExtent = {size.width, size.height, 1};
-  vkCmdCopyImageToBuffer(commands, renderer_->picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                         pixels_.handle(), 1, &copy);
-  auto barrier = VulkanInfo<VkBufferMemoryBarrier>(VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER);
-  barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.buffer = pixels_.handle();
-  barrier.size = VK_WHOLE_SIZE;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 0,
-                       nullptr, 1, &barrier, 0, nullptr);
 }
 
 Status HeadlessRenderer::RenderFrame(const SkinTransforms& transforms, const OrbitCamera& camera,
@@ -89,14 +61,11 @@ Status HeadlessRenderer::RenderFrame(const SkinTransforms& transforms, const Orb
   Status recorded;
   LIMBER_RETURN_IF_ERROR(device_->SubmitAndWait([&](VkCommandBuffer commands) {
     recorded = renderer_->Record(commands, 0, scene);
-    if (recorded.ok()) RecordReadback(commands);
+    if (recorded.ok()) reader_.Record(commands, renderer_->picture());
   }));
   LIMBER_RETURN_IF_ERROR(recorded);
   const auto drawn = std::chrono::steady_clock::now();
-  image->width = renderer_->extent().width;
-  image->height = renderer_->extent().height;
-  image->rgba.resize(size_t{image->width} * image->height * 4);
-  std::memcpy(image->rgba.data(), pixels_.mapped(), image->rgba.size());
+  reader_.Read(image);
   const StageTimes stages = renderer_->times(0);
   times_ = {stages.skin_ms, stages.draw_ms, MillisecondsSince(drawn), MillisecondsSince(start)};
   return {};

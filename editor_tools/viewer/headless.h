@@ -3,6 +3,7 @@
 
 #include "rig/rig.h"
 #include "viewer/image.h"
+#include "viewer/picture_reader.h"
 #include "viewer/renderer.h"
 
 #include <filesystem>
@@ -32,7 +33,6 @@ class HeadlessRenderer {
                                                           const HeadlessOptions& options);
   HeadlessRenderer(const HeadlessRenderer&) = delete;
   HeadlessRenderer& operator=(const HeadlessRenderer&) = delete;
-  ~HeadlessRenderer();
 
   // Draws and waits. `image` is resized as needed. Errors: kInvalidArgument, kDeviceError.
   Status RenderFrame(const SkinTransforms& transforms, const OrbitCamera& camera,
@@ -52,11 +52,10 @@ class HeadlessRenderer {
 
  private:
   HeadlessRenderer() = default;
-  void RecordReadback(VkCommandBuffer commands) const;
 
-  std::unique_ptr<VulkanDevice> device_;
+  std::unique_ptr<VulkanDevice> device_;  // first, so that it goes last
   std::unique_ptr<Renderer> renderer_;
-  VulkanBuffer pixels_;
+  PictureReader reader_;
   FrameTimes times_;
   std::vector<std::string> warnings_;
 };

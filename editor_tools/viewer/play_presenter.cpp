@@ -2,9 +2,9 @@
 
 #include "skin_vulkan/vulkan_info.h"
 #include "viewer/image.h"
+#include "viewer/picture_reader.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace limber::viewer {
@@ -16,17 +16,6 @@ bool SameSize(VkExtent2D a, VkExtent2D b) {
 
 bool IsEmpty(VkExtent2D size) {
   return size.width == 0 || size.height == 0;
-}
-
-// A whole window image from one layout to another.
-VkImageMemoryBarrier LayoutChange(VkImage image, VkImageLayout from, VkImageLayout to) {
-  auto barrier = VulkanInfo<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  return barrier;
 }
 
 }  // namespace
@@ -167,29 +156,12 @@ Status PlayPresenter::Submit(const WindowImage& window) {
 
 Status PlayPresenter::Screenshot(const std::filesystem::path& path) {
   LIMBER_RETURN_IF_ERROR(WaitForFrame());
-  const VkExtent2D size = renderer_->extent();
+  PictureReader reader;
+  LIMBER_RETURN_IF_ERROR(reader.Create(*device_, renderer_->extent()));
+  LIMBER_RETURN_IF_ERROR(device_->SubmitAndWait(
+      [&](VkCommandBuffer commands) { reader.Record(commands, renderer_->picture()); }));
   Image image;
-  image.width = size.width;
-  image.height = size.height;
-  image.rgba.resize(size_t{size.width} * size.height * 4);
-  Result<VulkanBuffer> pixels = VulkanBuffer::Create(
-      device_->api(), image.rgba.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-      VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
-  if (!pixels.ok()) return pixels.status();
-  LIMBER_RETURN_IF_ERROR(device_->SubmitAndWait([&](VkCommandBuffer commands) {
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {size.width, size.height, 1};
-    vkCmdCopyImageToBuffer(commands, renderer_->picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           pixels->handle(), 1, &copy);
-    auto barrier = VulkanInfo<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
-    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
-                         &barrier, 0, nullptr, 0, nullptr);
-  }));
-  std::memcpy(image.rgba.data(), pixels->mapped(), image.rgba.size());
+  reader.Read(&image);
   return WritePng(path, image);
 }
 

@@ -1,6 +1,7 @@
 #include "viewer/play_swapchain.h"
 
 #include "skin_vulkan/vulkan_info.h"
+#include "viewer/vulkan_list.h"
 
 #include <algorithm>
 #include <utility>
@@ -55,14 +56,11 @@ Swapchain::~Swapchain() {
 }
 
 Status Swapchain::ChooseFormat() {
-  uint32_t count = 0;
-  VkResult result =
-      vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical_device, surface_, &count, nullptr);
-  std::vector<VkSurfaceFormatKHR> formats(count);
-  if (result == VK_SUCCESS) {
-    result = vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical_device, surface_, &count,
-                                                  formats.data());
-  }
+  std::vector<VkSurfaceFormatKHR> formats;
+  const auto ask = [this](uint32_t* count, VkSurfaceFormatKHR* out) {
+    return vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical_device, surface_, count, out);
+  };
+  const VkResult result = ListAll(ask, &formats);
   if (result < 0) return Failed("asking for the formats", result);
   const auto wanted = [](const VkSurfaceFormatKHR& f) {
     return f.format == VK_FORMAT_B8G8R8A8_UNORM || f.format == VK_FORMAT_R8G8B8A8_UNORM;
@@ -78,14 +76,11 @@ Status Swapchain::ChooseFormat() {
 Status Swapchain::ChoosePresentMode(bool wait_for_display) {
   present_mode_ = VK_PRESENT_MODE_FIFO_KHR;  // always there
   if (wait_for_display) return {};
-  uint32_t count = 0;
-  VkResult result =
-      vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical_device, surface_, &count, nullptr);
-  std::vector<VkPresentModeKHR> modes(count);
-  if (result == VK_SUCCESS) {
-    result = vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical_device, surface_, &count,
-                                                       modes.data());
-  }
+  std::vector<VkPresentModeKHR> modes;
+  const auto ask = [this](uint32_t* count, VkPresentModeKHR* out) {
+    return vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical_device, surface_, count, out);
+  };
+  const VkResult result = ListAll(ask, &modes);
   if (result < 0) return Failed("asking for the present modes", result);
   for (const VkPresentModeKHR mode : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR}) {
     if (std::find(modes.begin(), modes.end(), mode) != modes.end()) present_mode_ = mode;
@@ -107,6 +102,16 @@ Status Swapchain::CreateImages(VkExtent2D size) {
     return {};
   }
 
+  LIMBER_RETURN_IF_ERROR(ReplaceSwapchain(surface));
+  const auto ask = [this](uint32_t* count, VkImage* out) {
+    return vkGetSwapchainImagesKHR(device_.device, swapchain_, count, out);
+  };
+  result = ListAll(ask, &images_);
+  if (result != VK_SUCCESS) return Failed("vkGetSwapchainImagesKHR", result);
+  return CreateSemaphores();
+}
+
+Status Swapchain::ReplaceSwapchain(const VkSurfaceCapabilitiesKHR& surface) {
   auto info = VulkanInfo<VkSwapchainCreateInfoKHR>(VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR);
   info.surface = surface_;
   info.minImageCount = surface.minImageCount + 1;
@@ -126,26 +131,21 @@ Status Swapchain::CreateImages(VkExtent2D size) {
   info.clipped = VK_TRUE;
   info.oldSwapchain = swapchain_;
   VkSwapchainKHR made = VK_NULL_HANDLE;
-  result = vkCreateSwapchainKHR(device_.device, &info, nullptr, &made);
+  const VkResult result = vkCreateSwapchainKHR(device_.device, &info, nullptr, &made);
   vkDestroySwapchainKHR(device_.device, swapchain_, nullptr);
   swapchain_ = made;
   if (result != VK_SUCCESS) return Failed("vkCreateSwapchainKHR", result);
+  return {};
+}
 
-  uint32_t count = 0;
-  result = vkGetSwapchainImagesKHR(device_.device, swapchain_, &count, nullptr);
-  images_.resize(count);
-  if (result == VK_SUCCESS) {
-    result = vkGetSwapchainImagesKHR(device_.device, swapchain_, &count, images_.data());
-  }
-  if (result != VK_SUCCESS) return Failed("vkGetSwapchainImagesKHR", result);
-
-  const auto semaphore = VulkanInfo<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
-  drawn_.assign(count, VK_NULL_HANDLE);
-  ready_.assign(count + size_t{1}, VK_NULL_HANDLE);
+Status Swapchain::CreateSemaphores() {
+  const auto info = VulkanInfo<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
+  drawn_.assign(images_.size(), VK_NULL_HANDLE);
+  ready_.assign(images_.size() + 1, VK_NULL_HANDLE);
   next_ready_ = 0;
   for (std::vector<VkSemaphore>* set : {&drawn_, &ready_}) {
     for (VkSemaphore& each : *set) {
-      result = vkCreateSemaphore(device_.device, &semaphore, nullptr, &each);
+      const VkResult result = vkCreateSemaphore(device_.device, &info, nullptr, &each);
       if (result != VK_SUCCESS) return Failed("vkCreateSemaphore", result);
     }
   }

@@ -57,6 +57,8 @@ class Swapchain {
   Status ChooseFormat();
   Status ChoosePresentMode(bool wait_for_display);
   Status CreateImages(VkExtent2D size);
+  Status ReplaceSwapchain(const VkSurfaceCapabilitiesKHR& surface);
+  Status CreateSemaphores();
   void DestroySemaphores();
 
   SwapchainDevice device_;

@@ -150,9 +150,7 @@ Status RenderTargets::CreateShadowMap() {
   options.extent = {kShadowSize, kShadowSize};
   options.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   options.aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
-  Result<GpuImage> shadow = GpuImage::Create(*device_, options);
-  if (!shadow.ok()) return shadow.status();
-  shadow_ = std::move(*shadow);
+  LIMBER_RETURN_IF_ERROR(shadow_.Create(*device_, options));
   return CreateFramebuffer(shadow_pass_, {shadow_.view()}, options.extent, &shadow_framebuffer_);
 }
 
@@ -184,25 +182,19 @@ Status RenderTargets::Resize(VkExtent2D extent) {
   options.format = kColorFormat;
   options.samples = samples_;
   options.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-  Result<GpuImage> color = GpuImage::Create(*device_, options);
-  if (!color.ok()) return color.status();
-  color_ = std::move(*color);
+  LIMBER_RETURN_IF_ERROR(color_.Create(*device_, options));
 
   options.format = depth_format_;
   options.usage =
       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
   options.aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
-  Result<GpuImage> depth = GpuImage::Create(*device_, options);
-  if (!depth.ok()) return depth.status();
-  depth_ = std::move(*depth);
+  LIMBER_RETURN_IF_ERROR(depth_.Create(*device_, options));
 
   GpuImageOptions picture;
   picture.extent = extent;
   picture.format = kColorFormat;
   picture.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  Result<GpuImage> resolved = GpuImage::Create(*device_, picture);
-  if (!resolved.ok()) return resolved.status();
-  resolved_ = std::move(*resolved);
+  LIMBER_RETURN_IF_ERROR(resolved_.Create(*device_, picture));
   return CreateFramebuffer(color_pass_, {color_.view(), depth_.view(), resolved_.view()}, extent,
                            &framebuffer_);
 }

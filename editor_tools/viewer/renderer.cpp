@@ -61,16 +61,6 @@ uint32_t DotStyle(const HandleDot& dot) {
          (dot.grabbed ? LIMBER_VIEW_DOT_GRABBED : 0u);
 }
 
-Status HostBuffer(const VulkanDevice& device, size_t bytes, VkBufferUsageFlags usage,
-                  VulkanBuffer* out) {
-  Result<VulkanBuffer> buffer =
-      VulkanBuffer::Create(device.api(), bytes, usage, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
-                           VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-  if (!buffer.ok()) return buffer.status();
-  *out = std::move(*buffer);
-  return {};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Renderer>> Renderer::Create(VulkanDevice* device,
@@ -87,7 +77,6 @@ Result<std::unique_ptr<Renderer>> Renderer::Create(VulkanDevice* device,
 
 Renderer::~Renderer() {
   vkDeviceWaitIdle(device_->handle());
-  vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
   vkDestroyQueryPool(device_->handle(), queries_, nullptr);
 }
 
@@ -116,29 +105,17 @@ Status Renderer::Initialize(const CharacterSource& source) {
 
 Status Renderer::CreateSlots() {
   const uint32_t count = options_.frames_in_flight;
-  const VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, count},
-                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count}};
-  auto pool = VulkanInfo<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  pool.maxSets = count;
-  pool.poolSizeCount = 2;
-  pool.pPoolSizes = sizes;
-  LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &pool_), "vkCreateDescriptorPool"));
-  const VkDescriptorSetLayout layout = pipelines_.frame_layout();
+  const VkDescriptorPoolSize of_each[2] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
+                                           {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}};
+  LIMBER_RETURN_IF_ERROR(sets_.Create(device_->api(), pipelines_.frame_layout(), count, of_each));
   slots_.resize(count);
-  for (Slot& slot : slots_) {
-    LIMBER_RETURN_IF_ERROR(HostBuffer(*device_, sizeof(shaders::FrameUniforms),
-                                      VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, &slot.uniforms));
-    LIMBER_RETURN_IF_ERROR(HostBuffer(*device_, kMaxDots * sizeof(shaders::DotVertex),
-                                      VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &slot.dots));
-    auto allocate =
-        VulkanInfo<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-    allocate.descriptorPool = pool_;
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &layout;
-    LIMBER_RETURN_IF_ERROR(
-        VulkanStatus(vkAllocateDescriptorSets(device_->handle(), &allocate, &slot.set),
-                     "vkAllocateDescriptorSets"));
+  for (size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    LIMBER_RETURN_IF_ERROR(slot.uniforms.Create(device_->api(), sizeof(shaders::FrameUniforms),
+                                                VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, kUploadMemory));
+    LIMBER_RETURN_IF_ERROR(slot.dots.Create(device_->api(), kMaxDots * sizeof(shaders::DotVertex),
+                                            VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, kUploadMemory));
+    slot.set = sets_[i];
     WriteSet(slot);
   }
   if (device_->timestamp_period() <= 0) return {};
@@ -153,17 +130,10 @@ void Renderer::WriteSet(const Slot& slot) const {
   const VkDescriptorBufferInfo buffer{slot.uniforms.handle(), 0, sizeof(shaders::FrameUniforms)};
   const VkDescriptorImageInfo image{pipelines_.shadow_sampler(), targets_.shadow_map(),
                                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-  std::array<VkWriteDescriptorSet, 2> writes{};
-  for (VkWriteDescriptorSet& write : writes) {
-    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-    write.dstSet = slot.set;
-    write.descriptorCount = 1;
-  }
-  writes[0].dstBinding = LIMBER_VIEW_FRAME;
-  writes[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  std::array<VkWriteDescriptorSet, 2> writes = {
+      DescriptorWrite(slot.set, LIMBER_VIEW_FRAME, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER),
+      DescriptorWrite(slot.set, LIMBER_VIEW_SHADOW_MAP, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER)};
   writes[0].pBufferInfo = &buffer;
-  writes[1].dstBinding = LIMBER_VIEW_SHADOW_MAP;
-  writes[1].descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   writes[1].pImageInfo = &image;
   vkUpdateDescriptorSets(device_->handle(), 2, writes.data(), 0, nullptr);
 }

@@ -101,7 +101,7 @@ class Renderer {
   RenderPipelines pipelines_;
   std::unique_ptr<CharacterModel> model_;
   std::vector<Slot> slots_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  VulkanDescriptors sets_;
   VkQueryPool queries_ = VK_NULL_HANDLE;
   Bounds bounds_, view_bounds_;
   RigSpace space_;

@@ -76,21 +76,22 @@ std::vector<Image> MipChain(const Image& image, bool srgb) {
   return levels;
 }
 
-void Transition(VkCommandBuffer commands, VkImage image, uint32_t levels, bool to_read) {
-  auto barrier = VulkanInfo<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
-  barrier.srcAccessMask = to_read ? VK_ACCESS_TRANSFER_WRITE_BIT : 0;
-  barrier.dstAccessMask = to_read ? VK_ACCESS_SHADER_READ_BIT : VK_ACCESS_TRANSFER_WRITE_BIT;
-  barrier.oldLayout = to_read ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
-  barrier.newLayout =
-      to_read ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels, 0, 1};
-  const VkPipelineStageFlags top = VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT;
-  const VkPipelineStageFlags copy = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  const VkPipelineStageFlags read = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
-  vkCmdPipelineBarrier(commands, to_read ? copy : top, to_read ? read : copy, 0, 0, nullptr, 0,
-                       nullptr, 1, &barrier);
+void RecordUpload(VkCommandBuffer commands, VkBuffer from, VkImage to,
+                  const std::vector<VkBufferImageCopy>& copies) {
+  VkImageMemoryBarrier to_write =
+      LayoutChange(to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  to_write.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                       0, 0, nullptr, 0, nullptr, 1, &to_write);
+  vkCmdCopyBufferToImage(commands, from, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                         static_cast<uint32_t>(copies.size()), copies.data());
+  VkImageMemoryBarrier to_read = LayoutChange(to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  to_read.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  to_read.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                       VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, nullptr, 0, nullptr, 1,
+                       &to_read);
 }
 
 }  // namespace
@@ -125,8 +126,8 @@ Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool sr
   options.extent = {image.width, image.height};
   options.mip_levels = static_cast<uint32_t>(levels.size());
   options.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  Result<GpuImage> texture = GpuImage::Create(*device, options);
-  if (!texture.ok()) return texture.status();
+  GpuImage texture;
+  LIMBER_RETURN_IF_ERROR(texture.Create(*device, options));
 
   BufferPlan plan(16);
   std::vector<VkBufferImageCopy> copies;
@@ -137,21 +138,16 @@ Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool sr
     copy.imageExtent = {level.width, level.height, 1};
     copies.push_back(copy);
   }
-  Result<VulkanBuffer> staging = VulkanBuffer::Create(
-      device->api(), plan.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-  if (!staging.ok()) return staging.status();
+  VulkanBuffer staging;
+  LIMBER_RETURN_IF_ERROR(
+      staging.Create(device->api(), plan.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kStagingMemory));
   for (size_t i = 0; i < levels.size(); ++i) {
-    std::memcpy(staging->mapped() + copies[i].bufferOffset, levels[i].rgba.data(),
+    std::memcpy(staging.mapped() + copies[i].bufferOffset, levels[i].rgba.data(),
                 levels[i].rgba.size());
   }
-  LIMBER_RETURN_IF_ERROR(staging->Flush());
+  LIMBER_RETURN_IF_ERROR(staging.Flush());
   LIMBER_RETURN_IF_ERROR(device->SubmitAndWait([&](VkCommandBuffer commands) {
-    Transition(commands, texture->handle(), options.mip_levels, false);
-    vkCmdCopyBufferToImage(commands, staging->handle(), texture->handle(),
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                           static_cast<uint32_t>(copies.size()), copies.data());
-    Transition(commands, texture->handle(), options.mip_levels, true);
+    RecordUpload(commands, staging.handle(), texture.handle(), copies);
   }));
   return texture;
 }

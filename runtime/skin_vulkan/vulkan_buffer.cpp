@@ -5,18 +5,28 @@
 namespace limber {
 namespace {
 
-constexpr uint32_t kNoType = ~0u;
-
-uint32_t FindMemoryType(const VulkanApi& api, uint32_t allowed, VkMemoryPropertyFlags flags) {
+bool FindMemoryType(const VulkanApi& api, uint32_t allowed, VkMemoryPropertyFlags flags,
+                    uint32_t* type) {
   for (uint32_t i = 0; i < api.memory.memoryTypeCount; ++i) {
     if ((allowed >> i & 1) != 0 && (api.memory.memoryTypes[i].propertyFlags & flags) == flags) {
-      return i;
+      *type = i;
+      return true;
     }
   }
-  return kNoType;
+  return false;
 }
 
 }  // namespace
+
+Status ChooseMemoryType(const VulkanApi& api, uint32_t allowed, const MemoryWish& wish,
+                        uint32_t* type) {
+  if (FindMemoryType(api, allowed, wish.required | wish.preferred, type) ||
+      FindMemoryType(api, allowed, wish.required, type)) {
+    return {};
+  }
+  return Error(StatusCode::kDeviceError, "vulkan: no memory type has the properties 0x%x",
+               wish.required);
+}
 
 BufferRange BufferPlan::Add(VkDeviceSize bytes) {
   const VkDeviceSize offset = (end_ + alignment_ - 1) & ~(alignment_ - 1);
@@ -43,45 +53,45 @@ void VulkanBuffer::Destroy() {
   api_ = nullptr;
 }
 
-Result<VulkanBuffer> VulkanBuffer::Create(const VulkanApi& api, VkDeviceSize size,
-                                          VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
-                                          VkMemoryPropertyFlags preferred) {
-  VulkanBuffer buffer;
-  buffer.api_ = &api;
-  buffer.size_ = size;
+Status VulkanBuffer::Create(const VulkanApi& api, VkDeviceSize size, VkBufferUsageFlags usage,
+                            const MemoryWish& wish) {
+  VulkanBuffer made;  // freed on the way out of an error
+  made.api_ = &api;
+  made.size_ = size;
+  *this = VulkanBuffer();
   auto info = VulkanInfo<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = size;
   info.usage = usage;
   info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      api.CreateBuffer(api.device, &info, api.callbacks, &buffer.buffer_), "vkCreateBuffer"));
+      api.CreateBuffer(api.device, &info, api.callbacks, &made.buffer_), "vkCreateBuffer"));
+  LIMBER_RETURN_IF_ERROR(made.Allocate(wish));
+  *this = std::move(made);
+  return {};
+}
 
+Status VulkanBuffer::Allocate(const MemoryWish& wish) {
+  const VulkanApi& api = *api_;
   VkMemoryRequirements needs;
-  api.GetBufferMemoryRequirements(api.device, buffer.buffer_, &needs);
-  uint32_t type = FindMemoryType(api, needs.memoryTypeBits, required | preferred);
-  if (type == kNoType) type = FindMemoryType(api, needs.memoryTypeBits, required);
-  if (type == kNoType) {
-    return Error(StatusCode::kDeviceError, "vulkan: no memory type has the properties 0x%x",
-                 required);
-  }
+  api.GetBufferMemoryRequirements(api.device, buffer_, &needs);
+  uint32_t type = 0;
+  LIMBER_RETURN_IF_ERROR(ChooseMemoryType(api, needs.memoryTypeBits, wish, &type));
   auto allocate = VulkanInfo<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = needs.size;
   allocate.memoryTypeIndex = type;
-  LIMBER_RETURN_IF_ERROR(
-      VulkanStatus(api.AllocateMemory(api.device, &allocate, api.callbacks, &buffer.memory_),
-                   "vkAllocateMemory"));
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      api.BindBufferMemory(api.device, buffer.buffer_, buffer.memory_, 0), "vkBindBufferMemory"));
+      api.AllocateMemory(api.device, &allocate, api.callbacks, &memory_), "vkAllocateMemory"));
+  LIMBER_RETURN_IF_ERROR(
+      VulkanStatus(api.BindBufferMemory(api.device, buffer_, memory_, 0), "vkBindBufferMemory"));
 
   const VkMemoryPropertyFlags flags = api.memory.memoryTypes[type].propertyFlags;
-  buffer.coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
-  if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0) {
-    void* mapped = nullptr;
-    LIMBER_RETURN_IF_ERROR(VulkanStatus(
-        api.MapMemory(api.device, buffer.memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"));
-    buffer.mapped_ = static_cast<std::byte*>(mapped);
-  }
-  return buffer;
+  coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
+  if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) == 0) return {};
+  void* mapped = nullptr;
+  LIMBER_RETURN_IF_ERROR(VulkanStatus(
+      api.MapMemory(api.device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"));
+  mapped_ = static_cast<std::byte*>(mapped);
+  return {};
 }
 
 Status VulkanBuffer::Flush() const {

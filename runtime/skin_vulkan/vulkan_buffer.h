@@ -4,8 +4,7 @@
 
 #include "skin_vulkan/vulkan_api.h"
 
-#include <memory>
-#include <vector>
+#include <utility>
 
 namespace limber {
 
@@ -27,6 +26,32 @@ class BufferPlan {
   VkDeviceSize alignment_, end_ = 0;
 };
 
+// Where a buffer lies: in the first memory type with all flags, otherwise in the first with the
+// required ones.
+struct MemoryWish {
+  VkMemoryPropertyFlags required = 0, preferred = 0;
+};
+
+// Read and written by the device alone.
+inline constexpr MemoryWish kDeviceMemory{0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+// Written by the host, copied from by the device.
+inline constexpr MemoryWish kStagingMemory{VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
+                                           VK_MEMORY_PROPERTY_HOST_COHERENT_BIT};
+// Written by the host, in order, and read by the device's shaders.
+inline constexpr MemoryWish kUploadMemory{
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
+    VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+// Written by the device, read by the host.
+inline constexpr MemoryWish kReadbackMemory{
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+    VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
+
+// The index of the memory type for `wish` among those whose bits `allowed` has set.
+// Errors: kDeviceError.
+Status ChooseMemoryType(const VulkanApi& api, uint32_t allowed, const MemoryWish& wish,
+                        uint32_t* type);
+
+// Empty until Create; host-visible memory is mapped for the buffer's life.
 class VulkanBuffer {
  public:
   VulkanBuffer() = default;
@@ -37,12 +62,10 @@ class VulkanBuffer {
 
   ~VulkanBuffer() { Destroy(); }
 
-  // The first memory type that has `required` and, if there is one, also `preferred` flags.
-  // Host-visible memory is mapped for the buffer's life. `api` must outlive the buffer.
-  // Errors: kDeviceError.
-  static Result<VulkanBuffer> Create(const VulkanApi& api, VkDeviceSize size,
-                                     VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
-                                     VkMemoryPropertyFlags preferred);
+  // Makes the buffer anew; what it held before is freed, and after an error it is empty. `api` must
+  // outlive the buffer. Errors: kDeviceError.
+  Status Create(const VulkanApi& api, VkDeviceSize size, VkBufferUsageFlags usage,
+                const MemoryWish& wish);
 
   VkBuffer handle() const { return buffer_; }
 
@@ -55,6 +78,7 @@ class VulkanBuffer {
   Status Flush() const;
 
  private:
+  Status Allocate(const MemoryWish& wish);
   void Destroy();
 
   const VulkanApi* api_ = nullptr;

@@ -7,10 +7,6 @@
 
 namespace limber {
 
-VulkanSkinInstance::~VulkanSkinInstance() {
-  skinner_.api_.DestroyDescriptorPool(skinner_.api_.device, pool_, skinner_.api_.callbacks);
-}
-
 Status VulkanSkinInstance::Initialize() {
   slots_.resize(skinner_.options_.frames_in_flight);
   LIMBER_RETURN_IF_ERROR(CreateBuffers());
@@ -38,49 +34,26 @@ Status VulkanSkinInstance::CreateBuffers() {
         result_plan.Add(VkDeviceSize{skinner_.num_draw_vertices_} * sizeof(SkinnedVertex));
     if (guard > 0) result_plan.Add(guard);
   }
-  Result<VulkanBuffer> matrices = VulkanBuffer::Create(
-      api, matrix_plan.size(),
-      skinner_.matrices_in_storage_ ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT
-                                    : VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
-      VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (!matrices.ok()) return matrices.status();
-  matrices_ = std::move(*matrices);
-  Result<VulkanBuffer> results =
-      VulkanBuffer::Create(api, result_plan.size(),
-                           VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
-                               skinner_.options_.extra_vertex_usage,
-                           0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (!results.ok()) return results.status();
-  results_ = std::move(*results);
-  return {};
+  const VkBufferUsageFlags matrix_usage = skinner_.matrices_in_storage_
+                                              ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT
+                                              : VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+  LIMBER_RETURN_IF_ERROR(matrices_.Create(api, matrix_plan.size(), matrix_usage, kUploadMemory));
+  return results_.Create(api, result_plan.size(),
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                             skinner_.options_.extra_vertex_usage,
+                         kDeviceMemory);
 }
 
 Status VulkanSkinInstance::CreateSets() {
-  const VulkanApi& api = skinner_.api_;
-  const auto num_slots = static_cast<uint32_t>(slots_.size());
-  const VkDescriptorPoolSize sizes[2] = {
-      {skinner_.pipelines_.matrices_type(), num_slots},
-      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, num_slots * (LIMBER_SKIN_NUM_BINDINGS - 1)},
+  const VkDescriptorPoolSize of_each[2] = {
+      {skinner_.pipelines_.matrices_type(), 1},
+      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, LIMBER_SKIN_NUM_BINDINGS - 1},
   };
-  auto pool_info =
-      VulkanInfo<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  pool_info.maxSets = num_slots;
-  pool_info.poolSizeCount = 2;
-  pool_info.pPoolSizes = sizes;
   LIMBER_RETURN_IF_ERROR(
-      VulkanStatus(api.CreateDescriptorPool(api.device, &pool_info, api.callbacks, &pool_),
-                   "vkCreateDescriptorPool"));
-  const VkDescriptorSetLayout layout = skinner_.pipelines_.set_layout();
-  for (Slot& slot : slots_) {
-    auto info =
-        VulkanInfo<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-    info.descriptorPool = pool_;
-    info.descriptorSetCount = 1;
-    info.pSetLayouts = &layout;
-    LIMBER_RETURN_IF_ERROR(VulkanStatus(api.AllocateDescriptorSets(api.device, &info, &slot.set),
-                                        "vkAllocateDescriptorSets"));
-    WriteSet(slot);
+      sets_.Create(skinner_.api_, skinner_.pipelines_.set_layout(), slots_.size(), of_each));
+  for (size_t i = 0; i < slots_.size(); ++i) {
+    slots_[i].set = sets_[i];
+    WriteSet(slots_[i]);
   }
   return {};
 }
@@ -91,14 +64,12 @@ void VulkanSkinInstance::WriteSet(const Slot& slot) const {
   for (uint32_t binding = 0; binding < writes.size(); ++binding) {
     const BufferRange& rig = skinner_.rig_ranges_[binding];
     buffers[binding] = {skinner_.rig_.handle(), rig.offset, rig.size};
-    writes[binding].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-    writes[binding].dstSet = slot.set;
-    writes[binding].dstBinding = binding;
-    writes[binding].descriptorCount = 1;
-    writes[binding].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[binding] =
+        DescriptorWrite(slot.set, binding,
+                        binding == LIMBER_SKIN_MATRICES ? skinner_.pipelines_.matrices_type()
+                                                        : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
     writes[binding].pBufferInfo = &buffers[binding];
   }
-  writes[LIMBER_SKIN_MATRICES].descriptorType = skinner_.pipelines_.matrices_type();
   buffers[LIMBER_SKIN_MATRICES] = {matrices_.handle(), slot.matrices.offset, slot.matrices.size};
   buffers[LIMBER_SKIN_SOLVE_POSITIONS] = {results_.handle(), slot.positions.offset,
                                           slot.positions.size};

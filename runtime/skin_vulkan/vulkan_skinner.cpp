@@ -144,21 +144,18 @@ Status VulkanSkinner::FillTables(const Tables& tables) {
     const size_t bytes = tables.ForBinding(binding).size();
     if (bytes > 0) rig_ranges_[binding] = plan.Add(bytes);
   }
-  const VkMemoryPropertyFlags direct =
-      options_.force_staging ? 0 : VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
-  Result<VulkanBuffer> rig = VulkanBuffer::Create(
-      api_, plan.size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, direct);
-  if (!rig.ok()) return rig.status();
-  rig_ = std::move(*rig);
-
+  // Device-local in any case; written in place where the host sees such memory.
+  const MemoryWish wish{VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+                        options_.force_staging
+                            ? VkMemoryPropertyFlags{0}
+                            : VkMemoryPropertyFlags{VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT}};
+  LIMBER_RETURN_IF_ERROR(
+      rig_.Create(api_, plan.size(),
+                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, wish));
   const bool direct_write = rig_.mapped() != nullptr && !options_.force_staging;
   if (!direct_write) {
-    Result<VulkanBuffer> staging = VulkanBuffer::Create(
-        api_, plan.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
-        VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    if (!staging.ok()) return staging.status();
-    staging_ = std::move(*staging);
+    LIMBER_RETURN_IF_ERROR(
+        staging_.Create(api_, plan.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kStagingMemory));
   }
   const VulkanBuffer& target = direct_write ? rig_ : staging_;
   for (uint32_t binding = 0; binding < LIMBER_SKIN_NUM_BINDINGS; ++binding) {

@@ -14,6 +14,7 @@
 #include "skin/skin_topology.h"
 #include "skin/skin_transforms.h"
 #include "skin_vulkan/vulkan_buffer.h"
+#include "skin_vulkan/vulkan_descriptors.h"
 #include "skin_vulkan/vulkan_host.h"
 #include "skin_vulkan/vulkan_pipelines.h"
 
@@ -119,7 +120,6 @@ class VulkanSkinInstance {
  public:
   VulkanSkinInstance(const VulkanSkinInstance&) = delete;
   VulkanSkinInstance& operator=(const VulkanSkinInstance&) = delete;
-  ~VulkanSkinInstance();
 
   // The vertices of slot `frame`, as the last Record of that slot leaves them.
   SkinnedVertices vertices(uint32_t frame) const;
@@ -147,7 +147,7 @@ class VulkanSkinInstance {
 
   const VulkanSkinner& skinner_;
   VulkanBuffer matrices_, results_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  VulkanDescriptors sets_;
   std::vector<Slot> slots_;
 };
 

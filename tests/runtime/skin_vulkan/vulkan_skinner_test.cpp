@@ -34,18 +34,18 @@ class VulkanSkinnerTest : public test::GpuTest {
   std::vector<std::byte> Run(VulkanSkinner* skinner, VulkanSkinInstance* instance, uint32_t frame,
                              const SkinTransforms& transforms, VkDeviceSize offset,
                              VkDeviceSize bytes, bool fill_first = false) {
-    auto buffer = VulkanBuffer::Create(
-        device_->api(), bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 0);
-    EXPECT_TRUE(buffer.ok());
+    VulkanBuffer buffer;
+    EXPECT_TRUE(
+        buffer.Create(device_->api(), bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, kReadbackMemory)
+            .ok());
     const Status status = device_->SubmitAndWait([&](VkCommandBuffer commands) {
       if (fill_first) RecordFill(commands, *instance);
       EXPECT_TRUE(skinner->Record(commands, instance, frame, transforms, kReadBack).ok());
       const VkBufferCopy copy{offset, 0, bytes};
-      vkCmdCopyBuffer(commands, instance->result_buffer(), buffer->handle(), 1, &copy);
+      vkCmdCopyBuffer(commands, instance->result_buffer(), buffer.handle(), 1, &copy);
     });
     EXPECT_TRUE(status.ok()) << status.message();
-    return {buffer->mapped(), buffer->mapped() + bytes};
+    return {buffer.mapped(), buffer.mapped() + bytes};
   }
 
   static void RecordFill(VkCommandBuffer commands, const VulkanSkinInstance& instance) {
