@@ -83,6 +83,27 @@ class GoldenTest : public testing::Test {
     return made.ok() ? std::move(*made) : nullptr;
   }
 
+  // One frame through the default camera; empty where drawing failed.
+  static Image Draw(HeadlessRenderer* headless, const test::SkinPose& pose,
+                    std::span<const HandleDot> dots = {}) {
+    Image image;
+    const Status drawn =
+        headless->RenderFrame(pose.view(), headless->DefaultCamera(), dots, &image);
+    EXPECT_TRUE(drawn.ok()) << drawn.message();
+    return image;
+  }
+
+  // Draws a character once against the stored picture of that name, without a word from Vulkan.
+  Image ExpectPicture(const CharacterSource& source, const test::SkinPose& pose,
+                      const std::string& name, std::span<const HandleDot> dots = {}) {
+    auto headless = Make(source);
+    if (headless == nullptr) return {};
+    Image image = Draw(headless.get(), pose, dots);
+    ExpectGolden(image, name);
+    ExpectSilence(*headless);
+    return image;
+  }
+
   static void ExpectSilence(const HeadlessRenderer& headless) {
     for (const std::string& message : headless.validation_log().messages()) {
       ADD_FAILURE() << message;
@@ -96,6 +117,15 @@ CharacterSource Source(const test::SkinFixture& fixture) {
   source.mesh = &fixture.mesh;
   source.space = fixture.space;
   return source;
+}
+
+// One material, whose base colour is `color`.
+void PutTexture(CharacterSource* source, const Image& color, bool nearest = false) {
+  Material material;
+  material.base_color_texture.image = 0;
+  material.base_color_texture.nearest = nearest;
+  source->materials.materials = {material};
+  source->materials.images = {color};
 }
 
 // A checkerboard in two colours with a stripe, so that wrongly laid coordinates show.
@@ -114,71 +144,25 @@ Image Checkers() {
   return image;
 }
 
-TEST_F(GoldenTest, BentCylinderWithHandles) {
-  const test::SkinFixture fixture = test::MakeCylinderFixture(40, 48);
-  auto headless = Make(Source(fixture));
-  ASSERT_NE(headless, nullptr);
-  const test::SkinPose pose = test::CylinderPose(fixture, 0.7);
-  const HandleDot dots[] = {{{0, 0.05f, 0.2f}, true, false, false},
-                            {{0.2f, 1.0f, 0.2f}, false, false, false},
-                            {{0.55f, 1.6f, 0}, true, true, false},
-                            {{0.3f, 1.3f, 0}, true, false, true}};
+// A normal map of round bumps in rows.
+Image Bumps() {
+  constexpr int kSide = 64;
   Image image;
-  ASSERT_TRUE(headless->RenderFrame(pose.view(), headless->DefaultCamera(), dots, &image).ok());
-  ExpectGolden(image, "bent_cylinder");
-  ExpectSilence(*headless);
-}
-
-TEST_F(GoldenTest, TexturedSphere) {
-  const test::SkinFixture fixture = test::MakeSeamSphereFixture(48, 24);
-  test::SkinFixture textured = fixture;
-  textured.mesh.primitives[0].material = 0;
-  CharacterSource source = Source(textured);
-  Material material;
-  material.base_color_texture.image = 0;
-  source.materials.materials = {material};
-  source.materials.images = {Checkers()};
-  auto headless = Make(source);
-  ASSERT_NE(headless, nullptr);
-  Image image;
-  ASSERT_TRUE(
-      headless->RenderFrame(test::RestPose(textured).view(), headless->DefaultCamera(), {}, &image)
-          .ok());
-  ExpectGolden(image, "textured_sphere");
-  ExpectSilence(*headless);
-}
-
-TEST_F(GoldenTest, NormalMapAndBlending) {
-  test::SkinFixture fixture = test::MakeSeamSphereFixture(48, 24);
-  fixture.mesh.primitives[0].material = 0;
-  CharacterSource source = Source(fixture);
-  Material material;
-  material.base_color = {0.3f, 0.5f, 0.8f, 0.8f};
-  material.alpha_mode = AlphaMode::kBlend;
-  material.normal_texture.image = 0;
-  material.roughness = 0.3f;
-  Image bumps;
-  bumps.width = bumps.height = 64;
-  for (int i = 0; i < 64 * 64; ++i) {
-    const double x = std::sin(i % 64 * 0.589), y = std::sin(i / 64 * 0.589);
-    for (const double channel : {127.5 + 60 * x, 127.5 + 60 * y, 230.0, 255.0}) {
-      bumps.rgba.push_back(static_cast<uint8_t>(channel));
+  image.width = image.height = kSide;
+  const auto wave = [](int pixel) { return 127.5 + 60 * std::sin(pixel * 0.589); };
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      for (const double channel : {wave(x), wave(y), 230.0, 255.0}) {
+        image.rgba.push_back(static_cast<uint8_t>(channel));
+      }
     }
   }
-  source.materials.materials = {material};
-  source.materials.images = {bumps};
-  auto headless = Make(source);
-  ASSERT_NE(headless, nullptr);
-  Image image;
-  ASSERT_TRUE(
-      headless->RenderFrame(test::RestPose(fixture).view(), headless->DefaultCamera(), {}, &image)
-          .ok());
-  ExpectGolden(image, "normal_map");
-  ExpectSilence(*headless);
+  return image;
 }
 
-TEST_F(GoldenTest, FlatCharacter_KeepsThePicturesColours) {
-  test::SkinFixture fixture;  // a square of side 2 in the xy plane
+// A square of side 2 in the xy plane.
+test::SkinFixture FlatSquare() {
+  test::SkinFixture fixture;
   SkinMesh& mesh = fixture.mesh;
   mesh.num_handles = mesh.num_shapes = 1;
   mesh.num_solve_vertices = mesh.num_draw_vertices = 4;
@@ -192,59 +176,88 @@ TEST_F(GoldenTest, FlatCharacter_KeepsThePicturesColours) {
   primitive.num_triangles = 2;
   primitive.material = 0;
   mesh.primitives = {primitive};
+  return fixture;
+}
+
+TEST_F(GoldenTest, BentCylinderWithHandles) {
+  const test::SkinFixture fixture = test::MakeCylinderFixture(40, 48);
+  const HandleDot dots[] = {{{0, 0.05f, 0.2f}, true, false, false},
+                            {{0.2f, 1.0f, 0.2f}, false, false, false},
+                            {{0.55f, 1.6f, 0}, true, true, false},
+                            {{0.3f, 1.3f, 0}, true, false, true}};
+  ExpectPicture(Source(fixture), test::CylinderPose(fixture, 0.7), "bent_cylinder", dots);
+}
+
+TEST_F(GoldenTest, TexturedSphere) {
+  test::SkinFixture fixture = test::MakeSeamSphereFixture(48, 24);
+  fixture.mesh.primitives[0].material = 0;
+  CharacterSource source = Source(fixture);
+  PutTexture(&source, Checkers());
+  ExpectPicture(source, test::RestPose(fixture), "textured_sphere");
+}
+
+TEST_F(GoldenTest, NormalMapAndBlending) {
+  test::SkinFixture fixture = test::MakeSeamSphereFixture(48, 24);
+  fixture.mesh.primitives[0].material = 0;
+  CharacterSource source = Source(fixture);
+  Material material;
+  material.base_color = {0.3f, 0.5f, 0.8f, 0.8f};
+  material.alpha_mode = AlphaMode::kBlend;
+  material.normal_texture.image = 0;
+  material.roughness = 0.3f;
+  source.materials.materials = {material};
+  source.materials.images = {Bumps()};
+  ExpectPicture(source, test::RestPose(fixture), "normal_map");
+}
+
+TEST_F(GoldenTest, FlatCharacter_KeepsThePicturesColours) {
+  const test::SkinFixture fixture = FlatSquare();
   CharacterSource source = Source(fixture);
   source.dimension = 2;
-  Material material;
-  material.base_color_texture.image = 0;
-  material.base_color_texture.nearest = true;
-  source.materials.materials = {material};
-  source.materials.images = {Checkers()};
-  auto headless = Make(source);
-  ASSERT_NE(headless, nullptr);
-  Image image;
-  ASSERT_TRUE(
-      headless->RenderFrame(test::RestPose(fixture).view(), headless->DefaultCamera(), {}, &image)
-          .ok());
-  ExpectGolden(image, "flat_square");
+  PutTexture(&source, Checkers(), true);
+  const Image image = ExpectPicture(source, test::RestPose(fixture), "flat_square");
+  ASSERT_FALSE(image.rgba.empty());
   // The stripe is on the left, as in the picture, and its colour is the painted one.
   const uint8_t* stripe = image.pixel(kWidth / 2 - 73, kHeight / 2);
   EXPECT_NEAR(stripe[0], 230, 3);
   EXPECT_NEAR(stripe[1], 90, 3);
   EXPECT_NEAR(stripe[2], 60, 3);
-  ExpectSilence(*headless);
+}
+
+// The CPU's result as a character of its own, to be drawn at rest, whose example shapes fill
+// `bounds`: light and shadow are laid out by them.
+test::SkinFixture Frozen(const test::SkinFixture& fixture, const DeformedMesh& result,
+                         const Bounds& bounds) {
+  test::SkinFixture still;
+  still.mesh = fixture.mesh;
+  still.mesh.num_handles = 1;
+  still.mesh.num_shapes = 3;
+  const size_t count = fixture.mesh.num_solve_vertices;
+  still.mesh.weights.assign(count, 1.0f);
+  still.mesh.shape_positions.assign(result.solve_positions.begin(), result.solve_positions.end());
+  still.mesh.shape_positions.resize(3 * count, bounds.low);
+  still.mesh.shape_positions[2 * count] = bounds.high;
+  still.mesh.rest_normals.assign(result.normals.begin(), result.normals.end());
+  return still;
 }
 
 TEST_F(GoldenTest, SkinnedOnTheGpu_LooksLikeSkinnedOnTheCpu) {
   const test::SkinFixture fixture = test::MakeCylinderFixture(40, 48);
   const test::SkinPose pose = test::CylinderPose(fixture, 0.9);
-  // The CPU's result as a character of its own, drawn at rest.
   Result<CpuSkinner> cpu = CpuSkinner::Create(fixture.mesh, fixture.space);
   ASSERT_TRUE(cpu.ok());
   ASSERT_TRUE(cpu->Skin(pose.view()).ok());
-  test::SkinFixture still;
-  still.mesh = fixture.mesh;
-  still.mesh.num_handles = still.mesh.num_shapes = 1;
-  still.mesh.weights.assign(fixture.mesh.num_solve_vertices, 1.0f);
-  still.mesh.shape_positions.assign(cpu->result().solve_positions.begin(),
-                                    cpu->result().solve_positions.end());
-  still.mesh.rest_normals.assign(cpu->result().normals.begin(), cpu->result().normals.end());
-  // Light and shadow are laid out by the example shapes' box: make it the same.
   auto moving = Make(Source(fixture));
   ASSERT_NE(moving, nullptr);
-  const Bounds bounds = moving->renderer().bounds();
-  still.mesh.num_shapes = 3;
-  const size_t count = still.mesh.num_solve_vertices;
-  still.mesh.shape_positions.resize(3 * count, bounds.low);
-  still.mesh.shape_positions[2 * count] = bounds.high;
+  const test::SkinFixture still = Frozen(fixture, cpu->result(), moving->renderer().bounds());
   auto posed = Make(Source(still));
   ASSERT_NE(posed, nullptr);
   OrbitCamera camera = moving->DefaultCamera();
   camera.Orbit(0.4f, 0.1f);
-  Image gpu, reference;
+  Image gpu, reference, other;
   ASSERT_TRUE(moving->RenderFrame(pose.view(), camera, {}, &gpu).ok());
   ASSERT_TRUE(posed->RenderFrame(test::RestPose(still).view(), camera, {}, &reference).ok());
   ExpectSame(gpu, reference, "GPU against CPU");
-  Image other;
   ASSERT_TRUE(
       moving->RenderFrame(test::CylinderPose(fixture, 0.5).view(), camera, {}, &other).ok());
   EXPECT_GT(Compare(gpu, other).far_share, 0.02) << "the comparison sees nothing";
@@ -257,9 +270,8 @@ TEST_F(GoldenTest, TheSameFrameTwice_IsBitwiseEqual) {
   auto headless = Make(Source(fixture));
   ASSERT_NE(headless, nullptr);
   const test::SkinPose pose = test::CylinderPose(fixture, 0.4);
-  Image first, second;
-  ASSERT_TRUE(headless->RenderFrame(pose.view(), headless->DefaultCamera(), {}, &first).ok());
-  ASSERT_TRUE(headless->RenderFrame(pose.view(), headless->DefaultCamera(), {}, &second).ok());
+  const Image first = Draw(headless.get(), pose), second = Draw(headless.get(), pose);
+  ASSERT_FALSE(first.rgba.empty());
   EXPECT_EQ(first.rgba, second.rgba);
   EXPECT_GT(headless->times().total_ms, 0);
   ExpectSilence(*headless);
