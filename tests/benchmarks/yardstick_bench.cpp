@@ -24,58 +24,41 @@ struct Kernel {
   float (*run)();
 };
 
-#if defined(__x86_64__)
-[[gnu::target("avx512f")]] float RunAvx512() {
-  const __m512 half = _mm512_set1_ps(0.5f), one = _mm512_set1_ps(1.0f);
-  __m512 x[kChains];
-  for (__m512& chain : x)
-    chain = one;
-  for (int step = 0; step < kSteps; ++step) {
-#pragma GCC unroll 12
-    for (int c = 0; c < kChains; ++c)
-      x[c] = _mm512_fmadd_ps(x[c], half, one);
+// A macro and no template, because what a function may use of the processor belongs to its
+// declaration. `multiply_add(x, y, z)` is x y + z; the last argument goes before the declaration.
+#define LIMBER_YARDSTICK_KERNEL(name, Vector, multiply_add, target) \
+  target float name() {                                             \
+    const Vector half = Vector{} + 0.5f, one = Vector{} + 1.0f;     \
+    Vector x[kChains];                                              \
+    for (int c = 0; c < kChains; ++c)                               \
+      x[c] = one;                                                   \
+    for (int step = 0; step < kSteps; ++step) {                     \
+      _Pragma("GCC unroll 12") for (int c = 0; c < kChains; ++c) {  \
+        x[c] = multiply_add(x[c], half, one);                       \
+      }                                                             \
+    }                                                               \
+    Vector sum = x[0];                                              \
+    for (int c = 1; c < kChains; ++c)                               \
+      sum += x[c];                                                  \
+    return sum[0];                                                  \
   }
-  __m512 sum = x[0];
-  for (int c = 1; c < kChains; ++c)
-    sum = _mm512_add_ps(sum, x[c]);
-  return _mm512_cvtss_f32(sum);
-}
 
-[[gnu::target("avx2,fma")]] float RunAvx2() {
-  const __m256 half = _mm256_set1_ps(0.5f), one = _mm256_set1_ps(1.0f);
-  __m256 x[kChains];
-  for (__m256& chain : x)
-    chain = one;
-  for (int step = 0; step < kSteps; ++step) {
-#pragma GCC unroll 12
-    for (int c = 0; c < kChains; ++c)
-      x[c] = _mm256_fmadd_ps(x[c], half, one);
-  }
-  __m256 sum = x[0];
-  for (int c = 1; c < kChains; ++c)
-    sum = _mm256_add_ps(sum, x[c]);
-  return _mm256_cvtss_f32(sum);
-}
+#if defined(__x86_64__)
+LIMBER_YARDSTICK_KERNEL(RunAvx512, __m512, _mm512_fmadd_ps, [[gnu::target("avx512f")]])
+LIMBER_YARDSTICK_KERNEL(RunAvx2, __m256, _mm256_fmadd_ps, [[gnu::target("avx2,fma")]])
 #endif
 
-// Four floats wide wherever the compiler has vectors; a multiplication and an addition where the
-// processor has no fused one.
-float RunPortable() {
-  using Vector = float __attribute__((vector_size(16)));
-  const Vector half = {0.5f, 0.5f, 0.5f, 0.5f}, one = {1, 1, 1, 1};
-  Vector x[kChains];
-  for (Vector& chain : x)
-    chain = one;
-  for (int step = 0; step < kSteps; ++step) {
-#pragma GCC unroll 12
-    for (int c = 0; c < kChains; ++c)
-      x[c] = x[c] * half + one;
-  }
-  Vector sum = x[0];
-  for (int c = 1; c < kChains; ++c)
-    sum += x[c];
-  return sum[0];
+using FourFloats = float __attribute__((vector_size(16)));
+
+FourFloats MultiplyAdd(FourFloats x, FourFloats y, FourFloats z) {
+  return x * y + z;
 }
+
+// Wherever the compiler has vectors; a multiplication and an addition where the processor has no
+// fused one.
+LIMBER_YARDSTICK_KERNEL(RunPortable, FourFloats, MultiplyAdd, )
+
+#undef LIMBER_YARDSTICK_KERNEL
 
 Kernel WidestKernel() {
 #if defined(__x86_64__)
@@ -85,7 +68,7 @@ Kernel WidestKernel() {
   return {"four lanes, not fused", 4, RunPortable};
 }
 
-void MultiplyAdd(benchmark::State& state) {
+void FusedMultiplyAdd(benchmark::State& state) {
   const Kernel kernel = WidestKernel();
   float result = 0;
   for (auto _ : state)
@@ -108,7 +91,7 @@ void Copy(benchmark::State& state, size_t bytes) {
 
 constexpr size_t kSkinnedVertexBytes = 40;  // position, normal, tangent (SkinnedVertex)
 
-BENCHMARK(MultiplyAdd)->Name("yardstick/fma")->Unit(benchmark::kMicrosecond);
+BENCHMARK(FusedMultiplyAdd)->Name("yardstick/fma")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Copy, skinned, 24000 * kSkinnedVertexBytes)
     ->Name("yardstick/copy/24k")
     ->Unit(benchmark::kMicrosecond);
