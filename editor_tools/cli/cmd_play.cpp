@@ -38,13 +38,16 @@ Command AddPlayCommand(CLI::App* parent) {
       ->option_text(" ");
   app->add_option("--size", options->size, "Size of the window (default 1280x800)")
       ->option_text("WxH");
-  app->add_option("--iterations", play.iterations, "Alternations of the solver a frame (default 1)")
+  app->add_option("--iterations", play.iterations,
+                  "Alternations of the solver a step; a frame takes as many steps as fit, until "
+                  "nothing moves (default 1)")
       ->check(CLI::Range(1, 100000))
       ->option_text("N");
   app->add_option("--lambda", play.lambda, "Weight of nearness to the examples (default 0.5)")
       ->check(CLI::Range(0.0f, 1e6f))
       ->option_text("X");
-  app->add_option("--frames", play.max_frames, "Close after this many frames")
+  app->add_option("--frames", play.max_frames,
+                  "Close after this many frames, with one step each at most")
       ->check(CLI::Range(1, 1000000000))
       ->option_text("N");
   app->add_option("--screenshot", play.screenshot_path, "Write the last picture as PNG")
