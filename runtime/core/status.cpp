@@ -1,9 +1,18 @@
 #include "core/status.h"
 
+#include "core/out_of_memory.h"
+
 #include <cstdarg>
 #include <cstdio>
+#include <new>
 
 namespace limber {
+namespace {
+
+// Short enough to lie inside a std::string: it needs no memory.
+constexpr char kNoMessage[] = "out of memory";
+
+}  // namespace
 
 const char* StatusCodeName(StatusCode code) {
   switch (code) {
@@ -31,6 +40,8 @@ const char* StatusCodeName(StatusCode code) {
       return "degenerate";
     case StatusCode::kLimitExceeded:
       return "limit_exceeded";
+    case StatusCode::kOutOfMemory:
+      return "out_of_memory";
     case StatusCode::kDeviceError:
       return "device_error";
     case StatusCode::kInternal:
@@ -40,7 +51,12 @@ const char* StatusCodeName(StatusCode code) {
 }
 
 Status Status::WithContext(const std::string& context) const {
-  return ok() ? *this : Status(code_, context + ": " + message_);
+  if (ok()) return {};
+  try {
+    return Status(code_, context + ": " + message_);
+  } catch (const std::bad_alloc&) {
+    return Status(code_, kNoMessage);
+  }
 }
 
 Status Error(StatusCode code, const char* format, ...) {
@@ -50,12 +66,25 @@ Status Error(StatusCode code, const char* format, ...) {
   va_copy(measured, arguments);
   const int length = std::vsnprintf(nullptr, 0, format, measured);
   va_end(measured);
-  std::string message(length > 0 ? static_cast<size_t>(length) : 0, '\0');
-  if (length > 0) {
-    std::vsnprintf(message.data(), message.size() + 1, format, arguments);
+  std::string message;
+  try {
+    message.resize(length > 0 ? static_cast<size_t>(length) : 0);
+    if (length > 0) std::vsnprintf(message.data(), message.size() + 1, format, arguments);
+  } catch (const std::bad_alloc&) {
+    message = kNoMessage;
   }
   va_end(arguments);
   return Status(code, std::move(message));
+}
+
+Status OutOfMemory(std::string_view context) {
+  try {
+    const std::string place = context.empty() ? "" : std::string(context) + ": ";
+    return Status(StatusCode::kOutOfMemory,
+                  place + "there is not enough memory for it; close other programs, or reduce it");
+  } catch (const std::bad_alloc&) {
+    return Status(StatusCode::kOutOfMemory, kNoMessage);
+  }
 }
 
 }  // namespace limber

@@ -24,6 +24,7 @@ enum class StatusCode {
   kNoHandles,        // no handle, or none pinned
   kDegenerate,       // geometry that no answer exists for
   kLimitExceeded,    // larger than a published limit
+  kOutOfMemory,      // within the limits, but this machine has not the memory
   kDeviceError,      // Vulkan or Embree failed
   kInternal,         // a bug of Limber's own
 };
@@ -44,7 +45,8 @@ class [[nodiscard]] Status {
 
   const std::string& message() const { return message_; }
 
-  // The same failure with "context: " in front of its message; success stays success.
+  // The same failure with "context: " in front of its message; success stays success. Where there
+  // is no memory for the message, the same code with a message that says so.
   Status WithContext(const std::string& context) const;
 
  private:
@@ -52,7 +54,8 @@ class [[nodiscard]] Status {
   std::string message_;
 };
 
-// printf-style: Error(StatusCode::kMalformed, "accessor %d: ...", index).
+// printf-style: Error(StatusCode::kMalformed, "accessor %d: ...", index). Text that comes from a
+// file goes through Quoted or Printable (printable.h) first.
 [[gnu::format(printf, 2, 3)]] Status Error(StatusCode code, const char* format, ...);
 
 // A value, or the Status that says why there is none.
