@@ -1,6 +1,6 @@
 #include "import/json_input.h"
 
-#include "load/gltf_file.h"
+#include "load/file_bytes.h"
 #include "load/gltf_guard.h"
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,7 @@
 #include "load/gltf_accessor.h"
 
+#include "core/out_of_memory.h"
+
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -194,6 +196,59 @@ Status ForEachElement(const GltfFile& file, const tinygltf::Accessor& accessor,
   return {};
 }
 
+Result<std::vector<float>> DecodeFloats(const GltfFile& file, const AccessorRequest& request) {
+  const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
+  if (!found.ok()) return found.status();
+  const tinygltf::Accessor& accessor = **found;
+  const int64_t component_bytes = ComponentBytes(accessor.componentType);
+  const int64_t components = request.components;
+  // The bytes are there, or the zeros were allowed, before the numbers are given room.
+  LIMBER_RETURN_IF_ERROR(
+      ForEachElement(file, accessor, component_bytes * components, [](int64_t, const uint8_t*) {}));
+  std::vector<float> numbers(
+      static_cast<size_t>(static_cast<int64_t>(accessor.count) * components));
+  LIMBER_RETURN_IF_ERROR(ForEachElement(
+      file, accessor, component_bytes * components, [&](int64_t element, const uint8_t* bytes) {
+        for (int64_t c = 0; c < components; ++c) {
+          numbers[static_cast<size_t>(element * components + c)] = LoadComponent(
+              bytes + c * component_bytes, accessor.componentType, accessor.normalized);
+        }
+      }));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i])) {
+      return Error(StatusCode::kMalformed, "element %zu is not a finite number",
+                   i / static_cast<size_t>(components));
+    }
+  }
+  return numbers;
+}
+
+Result<std::vector<uint32_t>> DecodeIndices(const GltfFile& file, const AccessorRequest& request,
+                                            uint32_t bound) {
+  const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
+  if (!found.ok()) return found.status();
+  const tinygltf::Accessor& accessor = **found;
+  if (!IsIndexType(accessor.componentType)) {
+    return Error(StatusCode::kMalformed, "component type %d is not an unsigned integer",
+                 accessor.componentType);
+  }
+  const int64_t bytes_each = ComponentBytes(accessor.componentType);
+  LIMBER_RETURN_IF_ERROR(
+      ForEachElement(file, accessor, bytes_each, [](int64_t, const uint8_t*) {}));
+  std::vector<uint32_t> indices(accessor.count);
+  LIMBER_RETURN_IF_ERROR(
+      ForEachElement(file, accessor, bytes_each, [&](int64_t element, const uint8_t* bytes) {
+        indices[static_cast<size_t>(element)] = LoadIndex(bytes, accessor.componentType);
+      }));
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] >= bound) {
+      return Error(StatusCode::kMalformed, "element %zu is %u, allowed is below %u", i, indices[i],
+                   bound);
+    }
+  }
+  return indices;
+}
+
 }  // namespace
 
 int64_t AccessorCount(const GltfFile& file, int accessor) {
@@ -203,60 +258,20 @@ int64_t AccessorCount(const GltfFile& file, int accessor) {
 }
 
 Result<std::vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request) {
-  const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
-  if (!found.ok()) return found.status().WithContext(Place(request));
-  const tinygltf::Accessor& accessor = **found;
-  const int64_t component_bytes = ComponentBytes(accessor.componentType);
-  const int64_t components = request.components;
-  // The bytes are there, or the zeros were allowed, before the numbers are given room.
-  LIMBER_RETURN_IF_ERROR(
-      ForEachElement(file, accessor, component_bytes * components, [](int64_t, const uint8_t*) {
-      }).WithContext(Place(request)));
-  std::vector<float> numbers(
-      static_cast<size_t>(static_cast<int64_t>(accessor.count) * components));
-  LIMBER_RETURN_IF_ERROR(ForEachElement(file, accessor, component_bytes * components,
-                                        [&](int64_t element, const uint8_t* bytes) {
-                                          for (int64_t c = 0; c < components; ++c) {
-                                            numbers[static_cast<size_t>(element * components + c)] =
-                                                LoadComponent(bytes + c * component_bytes,
-                                                              accessor.componentType,
-                                                              accessor.normalized);
-                                          }
-                                        })
-                             .WithContext(Place(request)));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    if (!std::isfinite(numbers[i])) {
-      return Error(StatusCode::kMalformed, "%s: element %zu is not a finite number",
-                   Place(request).c_str(), i / static_cast<size_t>(components));
-    }
-  }
-  return numbers;
+  return CatchOutOfMemory(request.place, [&]() -> Result<std::vector<float>> {
+    Result<std::vector<float>> numbers = DecodeFloats(file, request);
+    if (!numbers.ok()) return numbers.status().WithContext(Place(request));
+    return numbers;
+  });
 }
 
 Result<std::vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
                                           uint32_t bound) {
-  const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
-  if (!found.ok()) return found.status().WithContext(Place(request));
-  const tinygltf::Accessor& accessor = **found;
-  if (!IsIndexType(accessor.componentType)) {
-    return Error(StatusCode::kMalformed, "%s: component type %d is not an unsigned integer",
-                 Place(request).c_str(), accessor.componentType);
-  }
-  const int64_t bytes_each = ComponentBytes(accessor.componentType);
-  LIMBER_RETURN_IF_ERROR(ForEachElement(file, accessor, bytes_each, [](int64_t, const uint8_t*) {
-                         }).WithContext(Place(request)));
-  std::vector<uint32_t> indices(accessor.count);
-  LIMBER_RETURN_IF_ERROR(
-      ForEachElement(file, accessor, bytes_each, [&](int64_t element, const uint8_t* bytes) {
-        indices[static_cast<size_t>(element)] = LoadIndex(bytes, accessor.componentType);
-      }).WithContext(Place(request)));
-  for (size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] >= bound) {
-      return Error(StatusCode::kMalformed, "%s: element %zu is %u, allowed is below %u",
-                   Place(request).c_str(), i, indices[i], bound);
-    }
-  }
-  return indices;
+  return CatchOutOfMemory(request.place, [&]() -> Result<std::vector<uint32_t>> {
+    Result<std::vector<uint32_t>> indices = DecodeIndices(file, request, bound);
+    if (!indices.ok()) return indices.status().WithContext(Place(request));
+    return indices;
+  });
 }
 
 }  // namespace limber

@@ -27,7 +27,7 @@ int64_t AccessorCount(const GltfFile& file, int accessor);
 
 // All elements, components interleaved. Integers that are not normalised come as their value.
 // Errors, each beginning with the place and naming the accessor and the element: kMalformed (out of
-// bounds, another type or count, not finite), kLimitExceeded.
+// bounds, another type or count, not finite), kLimitExceeded, kOutOfMemory.
 Result<std::vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request);
 
 // Unsigned integer scalars, each below `bound`. Errors as above.

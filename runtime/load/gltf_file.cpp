@@ -1,13 +1,16 @@
 #include "load/gltf_file.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
+#include "load/file_bytes.h"
 #include "load/glb_container.h"
+#include "load/gltf_buffers.h"
 #include "load/gltf_guard.h"
-#include "load/uri.h"
 
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
-#include <fstream>
+#include <new>
 
 namespace limber {
 namespace {
@@ -16,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 // tinygltf is handed the buffers under these names and can open no file at all.
 constexpr char kBufferName[] = "limber-buffer-";
+constexpr size_t kLongestReason = 200;  // of tinygltf's own words in a message
 
 struct BufferStore {
   std::vector<std::vector<uint8_t>>* buffers = nullptr;
@@ -49,6 +53,7 @@ bool RefuseToWrite(std::string* /*error*/, const std::string& /*name*/,
   return false;
 }
 
+// NOLINTNEXTLINE(readability-function-size): tinygltf's signature
 bool IgnoreImage(tinygltf::Image* /*image*/, const int /*index*/, std::string* /*error*/,
                  std::string* /*warning*/, int /*width*/, int /*height*/,
                  const unsigned char* /*bytes*/, int /*size*/, void* /*user*/) {
@@ -79,36 +84,7 @@ Json ReducedJson(const Json& root) {
   return reduced;
 }
 
-std::string FirstLine(const std::string& text) {
-  const size_t end = text.find('\n');
-  return text.substr(0, end);
-}
-
 }  // namespace
-
-Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, uint64_t max_bytes) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) return Error(StatusCode::kNotFound, "no such file");
-  if (!std::filesystem::is_regular_file(status)) {
-    return Error(StatusCode::kIoError, "not a regular file");
-  }
-  const uint64_t size = std::filesystem::file_size(path, error);
-  if (error) return Status(StatusCode::kIoError, error.message());
-  if (size > max_bytes) {
-    return Error(StatusCode::kLimitExceeded, "%llu bytes, the limit is %llu",
-                 static_cast<unsigned long long>(size), static_cast<unsigned long long>(max_bytes));
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return Error(StatusCode::kIoError, "cannot be opened; check its permissions");
-  std::vector<uint8_t> bytes(size);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (static_cast<uint64_t>(stream.gcount()) != size) {
-    return Error(StatusCode::kIoError, "reading stopped after %lld of %llu bytes",
-                 static_cast<long long>(stream.gcount()), static_cast<unsigned long long>(size));
-  }
-  return bytes;
-}
 
 GltfFile::GltfFile() = default;
 GltfFile::GltfFile(GltfFile&&) noexcept = default;
@@ -116,28 +92,33 @@ GltfFile& GltfFile::operator=(GltfFile&&) noexcept = default;
 GltfFile::~GltfFile() = default;
 
 Result<GltfFile> GltfFile::Open(const std::filesystem::path& path, const GltfLimits& limits) {
-  Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, limits.max_file_bytes);
-  if (!bytes.ok()) return bytes.status().WithContext(path.string());
-  GltfFile file;
-  file.name_ = path.string();
-  file.folder_ = path.parent_path();
-  file.has_folder_ = true;
-  file.limits_ = limits;
-  LIMBER_RETURN_IF_ERROR(file.Load(*bytes).WithContext(file.name_));
-  return file;
+  const std::string name = path.string();
+  return CatchOutOfMemory(name, [&]() -> Result<GltfFile> {
+    Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, limits.max_file_bytes);
+    if (!bytes.ok()) return bytes.status().WithContext(name);
+    GltfFile file;
+    file.name_ = name;
+    file.folder_ = path.parent_path();
+    file.has_folder_ = true;
+    file.limits_ = limits;
+    LIMBER_RETURN_IF_ERROR(file.Load(*bytes).WithContext(name));
+    return file;
+  });
 }
 
 Result<GltfFile> GltfFile::Parse(std::span<const uint8_t> bytes, const std::string& name,
                                  const GltfLimits& limits) {
-  GltfFile file;
-  file.name_ = name;
-  file.limits_ = limits;
   if (bytes.size() > limits.max_file_bytes) {
     return Error(StatusCode::kLimitExceeded, "%s: %zu bytes, the limit is %llu", name.c_str(),
                  bytes.size(), static_cast<unsigned long long>(limits.max_file_bytes));
   }
-  LIMBER_RETURN_IF_ERROR(file.Load(bytes).WithContext(file.name_));
-  return file;
+  return CatchOutOfMemory(name, [&]() -> Result<GltfFile> {
+    GltfFile file;
+    file.name_ = name;
+    file.limits_ = limits;
+    LIMBER_RETURN_IF_ERROR(file.Load(bytes).WithContext(name));
+    return file;
+  });
 }
 
 Status GltfFile::Load(std::span<const uint8_t> bytes) {
@@ -158,56 +139,10 @@ Status GltfFile::Load(std::span<const uint8_t> bytes) {
   }
   LIMBER_RETURN_IF_ERROR(CheckGltfStructure(*json));
   json_ = std::make_unique<Json>(std::move(*json));
-  std::vector<std::vector<uint8_t>> buffers;
-  LIMBER_RETURN_IF_ERROR(ReadBuffers(chunks.bin, &buffers));
-  return ParseModel(std::move(buffers));
-}
-
-Status GltfFile::ReadBuffers(std::span<const uint8_t> bin,
-                             std::vector<std::vector<uint8_t>>* buffers) const {
-  if (!json_->contains("buffers")) return {};
-  uint64_t left = limits_.max_buffer_bytes;
-  for (size_t b = 0; b < (*json_)["buffers"].size(); ++b) {
-    const Json& buffer = (*json_)["buffers"][b];
-    const std::string place = "buffers[" + std::to_string(b) + "]";
-    const auto size = buffer["byteLength"].get<uint64_t>();
-    if (size > left) {
-      return Error(StatusCode::kLimitExceeded, "%s: the buffers exceed %llu bytes together",
-                   place.c_str(), static_cast<unsigned long long>(limits_.max_buffer_bytes));
-    }
-    left -= size;
-    std::vector<uint8_t> bytes;
-    const std::string uri = buffer.value("uri", "");
-    if (uri.empty() && b == 0 && !bin.empty()) {
-      bytes.assign(bin.begin(), bin.begin() + static_cast<ptrdiff_t>(std::min(size, bin.size())));
-    } else if (uri.empty()) {
-      return Error(StatusCode::kMalformed, "%s: it has neither a URI nor a binary chunk",
-                   place.c_str());
-    } else if (IsDataUri(uri)) {
-      Result<DataUri> data = DecodeDataUri(uri, limits_.max_buffer_bytes);
-      if (!data.ok()) return data.status().WithContext(place);
-      bytes = std::move(data->bytes);
-    } else {
-      Result<std::string> path = RelativePathOfUri(uri);
-      if (!path.ok()) return path.status().WithContext(place);
-      if (!has_folder_) {
-        return Error(StatusCode::kUnsupported,
-                     "%s: \"%s\" is another file, and this one came from memory; use a .glb",
-                     place.c_str(), path->c_str());
-      }
-      Result<std::vector<uint8_t>> read = ReadFileBytes(folder_ / *path, limits_.max_buffer_bytes);
-      if (!read.ok()) return read.status().WithContext(place + ": " + *path);
-      bytes = std::move(*read);
-    }
-    if (bytes.size() < size) {
-      return Error(StatusCode::kMalformed,
-                   "%s: %llu bytes are declared and %zu are there; the file is truncated",
-                   place.c_str(), static_cast<unsigned long long>(size), bytes.size());
-    }
-    bytes.resize(size);
-    buffers->push_back(std::move(bytes));
-  }
-  return {};
+  const BufferSources sources{chunks.bin, has_folder_ ? &folder_ : nullptr};
+  Result<std::vector<std::vector<uint8_t>>> buffers = ReadGltfBuffers(*json_, sources, limits_);
+  if (!buffers.ok()) return buffers.status();
+  return ParseModel(std::move(*buffers));
 }
 
 Status GltfFile::ParseModel(std::vector<std::vector<uint8_t>> buffers) {
@@ -222,7 +157,8 @@ Status GltfFile::ParseModel(std::vector<std::vector<uint8_t>> buffers) {
     const bool good = reader.LoadASCIIFromString(model.get(), &error, &warning, text.c_str(),
                                                  static_cast<unsigned int>(text.size()), "");
     if (!good || !error.empty()) {
-      return Status(StatusCode::kMalformed, "glTF: " + FirstLine(error));
+      return Status(StatusCode::kMalformed,
+                    "glTF: " + Printable(error.substr(0, error.find('\n')), kLongestReason));
     }
     const auto same_count = [this](const char* section, size_t count) {
       return (json_->contains(section) ? (*json_)[section].size() : 0) == count;
@@ -233,8 +169,10 @@ Status GltfFile::ParseModel(std::vector<std::vector<uint8_t>> buffers) {
       return Error(StatusCode::kMalformed, "glTF: items that cannot be read");
     }
     model_ = std::move(model);
+  } catch (const std::bad_alloc&) {
+    throw;  // no fault of the file; Open and Parse turn it into a Status
   } catch (const std::exception& error) {
-    return Status(StatusCode::kMalformed, std::string("glTF: ") + error.what());
+    return Status(StatusCode::kMalformed, "glTF: " + Printable(error.what(), kLongestReason));
   }
   return {};
 }
@@ -253,41 +191,33 @@ std::span<const uint8_t> GltfFile::BufferViewBytes(int64_t buffer_view) const {
 }
 
 Result<std::vector<uint8_t>> GltfFile::ImageBytes(int64_t image) const {
-  const auto images = json_->find("images");
-  if (images == json_->end() || !images->is_array() || image < 0 ||
-      image >= static_cast<int64_t>(images->size())) {
-    return Error(StatusCode::kInvalidArgument, "%s: images[%lld]: there is no such image",
-                 name_.c_str(), static_cast<long long>(image));
-  }
-  const Json& entry = (*images)[static_cast<size_t>(image)];
-  const std::string context = name_ + ": images[" + std::to_string(image) + "]";
-  const auto view = entry.is_object() ? entry.find("bufferView") : entry.end();
-  if (entry.is_object() && view != entry.end() && view->is_number_unsigned()) {
+  return CatchOutOfMemory(name_, [&]() -> Result<std::vector<uint8_t>> {
+    const std::string place = name_ + ": images[" + std::to_string(image) + "]";
+    const auto images = json_->find("images");
+    if (images == json_->end() || !images->is_array() || image < 0 ||
+        image >= static_cast<int64_t>(images->size())) {
+      return Status(StatusCode::kInvalidArgument, place + ": there is no such image");
+    }
+    Result<std::vector<uint8_t>> bytes = ReadImage((*images)[static_cast<size_t>(image)]);
+    if (!bytes.ok()) return bytes.status().WithContext(place);
+    return bytes;
+  });
+}
+
+Result<std::vector<uint8_t>> GltfFile::ReadImage(const Json& image) const {
+  if (!image.is_object()) return Error(StatusCode::kMalformed, "it is not an object");
+  const auto view = image.find("bufferView");
+  if (view != image.end() && view->is_number_unsigned()) {
     const std::span<const uint8_t> bytes = BufferViewBytes(view->get<int64_t>());
-    if (bytes.empty())
-      return Error(StatusCode::kMalformed, "%s: no such bufferView", context.c_str());
+    if (bytes.empty()) return Error(StatusCode::kMalformed, "no such bufferView");
     return std::vector<uint8_t>(bytes.begin(), bytes.end());
   }
-  const auto uri = entry.is_object() ? entry.find("uri") : entry.end();
-  if (!entry.is_object() || uri == entry.end() || !uri->is_string()) {
-    return Error(StatusCode::kMalformed, "%s: it has neither a bufferView nor a URI",
-                 context.c_str());
+  const auto uri = image.find("uri");
+  if (uri == image.end() || !uri->is_string()) {
+    return Error(StatusCode::kMalformed, "it has neither a bufferView nor a URI");
   }
-  const auto& text = uri->get_ref<const std::string&>();
-  if (IsDataUri(text)) {
-    Result<DataUri> data = DecodeDataUri(text, limits_.max_file_bytes);
-    if (!data.ok()) return data.status().WithContext(context);
-    return std::move(data->bytes);
-  }
-  Result<std::string> path = RelativePathOfUri(text);
-  if (!path.ok()) return path.status().WithContext(context);
-  if (!has_folder_) {
-    return Error(StatusCode::kUnsupported, "%s: \"%s\" is another file", context.c_str(),
-                 path->c_str());
-  }
-  Result<std::vector<uint8_t>> bytes = ReadFileBytes(folder_ / *path, limits_.max_file_bytes);
-  if (!bytes.ok()) return bytes.status().WithContext(context + ": " + *path);
-  return bytes;
+  return ReadUri(uri->get_ref<const std::string&>(), has_folder_ ? &folder_ : nullptr,
+                 limits_.max_file_bytes);
 }
 
 }  // namespace limber

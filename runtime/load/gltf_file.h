@@ -24,8 +24,8 @@ namespace limber {
 class GltfFile {
  public:
   // Reads a file and the buffers beside it. Errors, each beginning with the path: kNotFound,
-  // kIoError, kMalformed, kUnsupported (a required extension by name, a URI that leads out of the
-  // folder), kLimitExceeded.
+  // kIoError, kMalformed, kUnsupported (a required extension by name; a URI, or a symbolic link
+  // that it names, that leads out of the folder), kLimitExceeded, kOutOfMemory.
   static Result<GltfFile> Open(const std::filesystem::path& path, const GltfLimits& limits = {});
   // The same from memory. `name` is for messages; there is no folder, so every buffer must be
   // inside the bytes. The bytes are copied.
@@ -60,8 +60,7 @@ class GltfFile {
  private:
   GltfFile();
   Status Load(std::span<const uint8_t> bytes);
-  Status ReadBuffers(std::span<const uint8_t> bin,
-                     std::vector<std::vector<uint8_t>>* buffers) const;
+  Result<std::vector<uint8_t>> ReadImage(const nlohmann::ordered_json& image) const;
   Status ParseModel(std::vector<std::vector<uint8_t>> buffers);
 
   std::string name_;
@@ -72,9 +71,5 @@ class GltfFile {
   std::unique_ptr<nlohmann::ordered_json> json_;
   std::unique_ptr<tinygltf::Model> model_;
 };
-
-// Reads a whole regular file. Errors: kNotFound, kIoError, kLimitExceeded; messages begin with the
-// reason, without the path.
-Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, uint64_t max_bytes);
 
 }  // namespace limber

@@ -1,5 +1,9 @@
 #include "load/gltf_guard.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
+#include "load/json_text.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -80,7 +84,7 @@ Status CheckInteger(const Json& object, const char* key, const std::string& plac
   }
   const bool too_large = it->is_number_unsigned() && it->get<uint64_t>() > uint64_t{kLargest};
   if (too_large || it->get<int64_t>() < lowest) {
-    return Malformed(place, std::string("\"") + key + "\" is " + it->dump() + ", allowed are " +
+    return Malformed(place, std::string("\"") + key + "\" is " + ShowJson(*it) + ", allowed are " +
                                 std::to_string(lowest) + " to " + std::to_string(kLargest));
   }
   return {};
@@ -92,7 +96,7 @@ Status CheckIndex(const Json& object, const char* key, const std::string& place,
   LIMBER_RETURN_IF_ERROR(CheckInteger(object, key, place, 0, required));
   const auto it = object.find(key);
   if (it != object.end() && it->get<uint64_t>() >= count) {
-    return Malformed(place, std::string("\"") + key + "\" is " + it->dump() + ", the file has " +
+    return Malformed(place, std::string("\"") + key + "\" is " + ShowJson(*it) + ", the file has " +
                                 std::to_string(count));
   }
   return {};
@@ -123,7 +127,7 @@ Status CheckIndices(const Json& object, const char* key, const std::string& plac
   if (!it->is_array()) return Malformed(place, std::string("\"") + key + "\" is not an array");
   for (const Json& index : *it) {
     if (!index.is_number_unsigned() || index.get<uint64_t>() >= count) {
-      return Malformed(place, std::string("\"") + key + "\" holds " + index.dump() +
+      return Malformed(place, std::string("\"") + key + "\" holds " + ShowJson(index) +
                                   ", the file has " + std::to_string(count));
     }
   }
@@ -144,7 +148,7 @@ Status CheckAsset(const Json& root) {
   }
   if (version->get_ref<const std::string&>().substr(0, 2) != "2.") {
     return Status(StatusCode::kUnsupported,
-                  "asset: glTF version " + version->dump() + "; export it as glTF 2.0");
+                  "asset: glTF version " + ShowJson(*version) + "; export it as glTF 2.0");
   }
   return {};
 }
@@ -166,13 +170,13 @@ Status CheckRequiredExtensions(const Json& root) {
     if (!entry.is_string()) return Malformed("extensionsRequired", "holds something not a string");
     const auto& name = entry.get_ref<const std::string&>();
     if (std::find(kHarmless.begin(), kHarmless.end(), name) != kHarmless.end()) continue;
-    std::string remedy = "export the file without it";
+    const char* remedy = "export the file without it";
     if (name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression" ||
         name == "KHR_meshopt_compression") {
       remedy = "remove the compression with: npx @gltf-transform/cli copy IN.glb OUT.glb";
     }
-    return Status(StatusCode::kUnsupported,
-                  "extensionsRequired: " + name + " is not read by Limber; " + remedy);
+    return Error(StatusCode::kUnsupported, "extensionsRequired: %s is not read by Limber; %s",
+                 Quoted(name).c_str(), remedy);
   }
   return {};
 }
@@ -228,7 +232,7 @@ Status CheckAttributes(const Json& attributes, const std::string& place, size_t 
   if (!attributes.is_object()) return Malformed(place, "not an object");
   for (const auto& [name, index] : attributes.items()) {
     if (!index.is_number_unsigned() || index.get<uint64_t>() >= num_accessors) {
-      return Malformed(place, name + " is accessor " + index.dump() + ", the file has " +
+      return Malformed(place, Quoted(name) + " is accessor " + ShowJson(index) + ", the file has " +
                                   std::to_string(num_accessors));
     }
   }
@@ -333,15 +337,20 @@ Status CheckForest(const Json& root) {
 
 Result<Json> ParseJson(std::string_view text, const GltfLimits& limits) {
   LIMBER_RETURN_IF_ERROR(CheckNesting(text, limits));
-  try {
-    return Json::parse(text);
-  } catch (const std::exception& error) {
-    // The library's text reads "[json.exception...] parse error at line 1, column 2: ...".
-    const std::string what = error.what();
-    const size_t bracket = what.find("] ");
-    return Status(StatusCode::kMalformed,
-                  "JSON: " + (bracket == std::string::npos ? what : what.substr(bracket + 2)));
-  }
+  constexpr size_t kLongestReason = 200;
+  return CatchOutOfMemory("JSON", [&]() -> Result<Json> {
+    try {
+      return Json::parse(text);
+    } catch (const Json::exception& error) {
+      // The library's text reads "[json.exception...] parse error at line 1, column 2: ...".
+      const std::string what = error.what();
+      const size_t bracket = what.find("] ");
+      return Status(
+          StatusCode::kMalformed,
+          "JSON: " + Printable(what.substr(bracket == std::string::npos ? 0 : bracket + 2),
+                               kLongestReason));
+    }
+  });
 }
 
 Status CheckGltfStructure(const Json& root) {

@@ -12,7 +12,7 @@
 namespace limber {
 
 // Parses the text after checking its nesting depth and its numbers of values and members. Errors:
-// kMalformed with the byte's position, kLimitExceeded.
+// kMalformed with the byte's position, kLimitExceeded, kOutOfMemory.
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, const GltfLimits& limits);
 
 // Checks the root's structure: asset version 2, required extensions that Limber reads, and in

@@ -1,5 +1,7 @@
 #include "load/gltf_mesh.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
 #include "load/gltf_accessor.h"
 #include "load/smooth_normals.h"
 #include "rig/rig_fields.h"
@@ -102,14 +104,14 @@ class MeshReader {
     if (num_targets == 0) {
       return Error(
           StatusCode::kNoExamples,
-          "mesh \"%s\": it has no morph target, and example shapes are what Limber poses "
+          "mesh %s: it has no morph target, and example shapes are what Limber poses "
           "from; if it has shape keys in Blender, the exporter's \"Apply Modifiers\" drops "
           "them: switch that off (or apply the modifiers first) and export again",
-          mesh_.name.c_str());
+          Quoted(mesh_.name).c_str());
     }
     if (num_targets > file_.limits().max_targets) {
-      return Error(StatusCode::kLimitExceeded, "mesh \"%s\": %zu morph targets, the limit is %llu",
-                   mesh_.name.c_str(), num_targets,
+      return Error(StatusCode::kLimitExceeded, "mesh %s: %zu morph targets, the limit is %llu",
+                   Quoted(mesh_.name).c_str(), num_targets,
                    static_cast<unsigned long long>(file_.limits().max_targets));
     }
     mesh_.targets.resize(num_targets);
@@ -134,9 +136,10 @@ class MeshReader {
     if (total > file_.limits().max_vertices ||
         total * mesh_.targets.size() > file_.limits().max_morph_positions) {
       return Error(StatusCode::kLimitExceeded,
-                   "mesh \"%s\": %llu vertices with %zu morph targets are more than the limits "
+                   "mesh %s: %llu vertices with %zu morph targets are more than the limits "
                    "allow (%llu vertices, %llu vertices times targets)",
-                   mesh_.name.c_str(), static_cast<unsigned long long>(total), mesh_.targets.size(),
+                   Quoted(mesh_.name).c_str(), static_cast<unsigned long long>(total),
+                   mesh_.targets.size(),
                    static_cast<unsigned long long>(file_.limits().max_vertices),
                    static_cast<unsigned long long>(file_.limits().max_morph_positions));
     }
@@ -316,6 +319,8 @@ class Fnv1a {
       hash_ = (hash_ ^ bytes[i]) * 0x100000001B3ull;
   }
 
+  void AddCount(uint32_t count) { Add(&count, sizeof(count)); }
+
   void AddPositions(const std::vector<Vec3>& positions) {
     // Zero has two signs, and tools may change it; adding positive zero leaves only one.
     for (const Vec3& p : positions) {
@@ -337,34 +342,38 @@ Result<GltfMorphMesh> ReadMorphMesh(const GltfFile& file, int mesh) {
     return Error(StatusCode::kInvalidArgument, "%s: meshes[%d]: there is no such mesh",
                  file.name().c_str(), mesh);
   }
-  Result<GltfMorphMesh> result = MeshReader(file, mesh).Read();
-  if (!result.ok()) return result.status().WithContext(file.name());
-  return result;
+  return CatchOutOfMemory(file.name(), [&]() -> Result<GltfMorphMesh> {
+    Result<GltfMorphMesh> result = MeshReader(file, mesh).Read();
+    if (!result.ok()) return result.status().WithContext(file.name());
+    return result;
+  });
 }
 
 Result<std::vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMorphMesh& mesh,
                                              const std::string& attribute, int components) {
-  const tinygltf::Mesh& source = file.model().meshes[static_cast<size_t>(mesh.mesh)];
-  std::vector<float> all;
-  for (const SkinPrimitive& primitive : mesh.primitives) {
-    const auto p = static_cast<size_t>(primitive.gltf_primitive);
-    const std::string place = PrimitivePlace(mesh.mesh, p) + "." + attribute;
-    AccessorRequest request{FindAttribute(source.primitives[p].attributes, attribute), components,
-                            place};
-    if (request.accessor < 0) return Status(StatusCode::kNotFound, place + ": it is missing");
-    request.expected_count = primitive.num_vertices;
-    Result<std::vector<float>> numbers = ReadFloats(file, request);
-    if (!numbers.ok()) return numbers.status();
-    all.insert(all.end(), numbers->begin(), numbers->end());
-  }
-  return all;
+  return CatchOutOfMemory(attribute, [&]() -> Result<std::vector<float>> {
+    const tinygltf::Mesh& source = file.model().meshes[static_cast<size_t>(mesh.mesh)];
+    std::vector<float> all;
+    for (const SkinPrimitive& primitive : mesh.primitives) {
+      const auto p = static_cast<size_t>(primitive.gltf_primitive);
+      const std::string place = PrimitivePlace(mesh.mesh, p) + "." + attribute;
+      AccessorRequest request{FindAttribute(source.primitives[p].attributes, attribute), components,
+                              place};
+      if (request.accessor < 0) return Status(StatusCode::kNotFound, place + ": it is missing");
+      request.expected_count = primitive.num_vertices;
+      Result<std::vector<float>> numbers = ReadFloats(file, request);
+      if (!numbers.ok()) return numbers.status();
+      all.insert(all.end(), numbers->begin(), numbers->end());
+    }
+    return all;
+  });
 }
 
 std::string HashMesh(const GltfMorphMesh& mesh) {
   Fnv1a hash;
-  const uint32_t counts[3] = {mesh.num_vertices(), static_cast<uint32_t>(mesh.triangles.size()),
-                              static_cast<uint32_t>(mesh.targets.size())};
-  hash.Add(counts, sizeof(counts));
+  hash.AddCount(mesh.num_vertices());
+  hash.AddCount(static_cast<uint32_t>(mesh.triangles.size()));
+  hash.AddCount(static_cast<uint32_t>(mesh.targets.size()));
   hash.Add(mesh.triangles.data(), mesh.triangles.size() * sizeof(uint32_t));
   hash.AddPositions(mesh.positions);
   for (const std::vector<Vec3>& target : mesh.targets)

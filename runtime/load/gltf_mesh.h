@@ -37,7 +37,7 @@ struct GltfMorphMesh {
 
 // Errors, each beginning with the file's name: kInvalidArgument (no such mesh), kNoExamples (no
 // morph target), kMalformed (unequal numbers of targets, numbers out of range or not finite),
-// kLimitExceeded.
+// kLimitExceeded, kOutOfMemory.
 Result<GltfMorphMesh> ReadMorphMesh(const GltfFile& file, int mesh);
 
 // Concatenates one attribute over the primitives of `mesh`, `components` floats for each draw

@@ -1,5 +1,9 @@
 #include "load/rig_json.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
+#include "load/json_text.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -24,7 +28,7 @@ class ObjectReader {
     const bool fits = value->is_number_integer() &&
                       !(value->is_number_unsigned() && value->get<uint64_t>() > uint64_t{1} << 62);
     if (!fits) {
-      Fail(key, value->dump() + " is not an integer in range");
+      Fail(key, ShowJson(*value) + " is not an integer in range");
       return lowest;
     }
     const auto number = value->get<int64_t>();
@@ -47,7 +51,7 @@ class ObjectReader {
     if (!object_.is_object() || !object_.contains(key)) return fallback;
     const Json& value = object_[key];
     if (value.is_boolean()) return value.get<bool>();
-    Fail(key, value.dump() + " is neither true nor false");
+    Fail(key, ShowJson(value) + " is neither true nor false");
     return fallback;
   }
 
@@ -170,7 +174,7 @@ void ReadTables(ObjectReader* reader, RigJson* rig) {
   const Json* tables = reader->Object("tables");
   if (tables == nullptr) return;
   for (const auto& [name, value] : tables->items()) {
-    ObjectReader entry(value, "tables." + name);
+    ObjectReader entry(value, "tables." + Printable(name));
     RigJson::Table table;
     table.accessor = static_cast<int>(entry.Integer("accessor", 0, INT32_MAX));
     const Json* shape = entry.Array("shape", kMostDimensions);
@@ -183,9 +187,7 @@ void ReadTables(ObjectReader* reader, RigJson* rig) {
   }
 }
 
-}  // namespace
-
-Result<RigJson> ReadRigJson(const Json& json, const GltfLimits& limits) {
+Result<RigJson> ReadRig(const Json& json, const GltfLimits& limits) {
   RigJson rig;
   ObjectReader reader(json, "");
   if (const Json* mesh = reader.Object("mesh")) {
@@ -221,6 +223,12 @@ Result<RigJson> ReadRigJson(const Json& json, const GltfLimits& limits) {
   ReadTables(&reader, &rig);
   if (!reader.status().ok()) return reader.status();
   return rig;
+}
+
+}  // namespace
+
+Result<RigJson> ReadRigJson(const Json& json, const GltfLimits& limits) {
+  return CatchOutOfMemory("", [&] { return ReadRig(json, limits); });
 }
 
 Json WriteRigJson(const std::string& name, const RigJson& rig) {

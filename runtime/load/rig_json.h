@@ -31,7 +31,7 @@ struct RigJson {
 
 // Reads one entry of the extension's "rigs"; unknown members are ignored. Counts are checked
 // against the limits, so that the product of any table's shape fits 64 bits. Errors: kMalformed,
-// kLimitExceeded; messages begin with the member.
+// kLimitExceeded, kOutOfMemory; messages begin with the member.
 Result<RigJson> ReadRigJson(const nlohmann::ordered_json& rig, const GltfLimits& limits);
 
 // The inverse, for the writer.

@@ -1,7 +1,10 @@
 #include "load/rig_loader.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
 #include "load/gltf_accessor.h"
 #include "load/gltf_mesh.h"
+#include "load/json_text.h"
 #include "load/rig_json.h"
 #include "rig/rest_frames.h"
 #include "rig/rig_fields.h"
@@ -38,7 +41,7 @@ Result<const Json*> FindRig(const GltfFile& file, int index) {
   }
   if (*version != kRigFormatVersion) {
     return Status(StatusCode::kVersionMismatch,
-                  place + ".version: it is " + version->dump() + ", this Limber reads " +
+                  place + ".version: it is " + ShowJson(*version) + ", this Limber reads " +
                       std::to_string(kRigFormatVersion) +
                       "; update Limber, or bake the character again with this one");
   }
@@ -84,10 +87,10 @@ Status ReadTables(const GltfFile& file, RigJson* rig) {
 Status CheckMesh(const RigJson& rig, const GltfMorphMesh& mesh) {
   if (rig.num_vertices == mesh.num_vertices() && rig.mesh_hash == HashMesh(mesh)) return {};
   return Error(StatusCode::kMeshMismatch,
-               "mesh \"%s\": it was changed after the bake (baked with %u vertices and hash %s, "
+               "mesh %s: it was changed after the bake (baked with %u vertices and hash %s, "
                "found %u and %s); bake last, after every other tool",
-               mesh.name.c_str(), rig.num_vertices, rig.mesh_hash.c_str(), mesh.num_vertices(),
-               HashMesh(mesh).c_str());
+               Quoted(mesh.name).c_str(), rig.num_vertices, Printable(rig.mesh_hash).c_str(),
+               mesh.num_vertices(), HashMesh(mesh).c_str());
 }
 
 Status ReadWeld(const GltfFile& file, const RigJson& rig, const GltfMorphMesh& mesh,
@@ -145,17 +148,16 @@ Status ReadWeights(const GltfFile& file, const GltfMorphMesh& mesh,
 
 // x_rig = basis^T (x_mesh - origin) / scale, in double.
 Vec3 ToRigSpace(const RigSpace& space, const Vec3& base, const Vec3& offset) {
-  double from_origin[3];
-  for (int i = 0; i < 3; ++i) {
-    from_origin[i] =
-        double{base[i]} + double{offset[i]} - double{space.origin[static_cast<size_t>(i)]};
-  }
+  const auto [ox, oy, oz] = space.origin;
+  const double from_origin[3] = {double{base.x} + double{offset.x} - double{ox},
+                                 double{base.y} + double{offset.y} - double{oy},
+                                 double{base.z} + double{offset.z} - double{oz}};
   Vec3 result;
+  size_t entry = 0;  // column after column
   for (int column = 0; column < 3; ++column) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) {
-      sum += double{space.basis[static_cast<size_t>(3 * column + i)]} * from_origin[i];
-    }
+    for (const double x : from_origin)
+      sum += double{space.basis[entry++]} * x;
     result[column] = static_cast<float>(sum / double{space.scale});
   }
   return result;
@@ -230,7 +232,8 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   if (!mesh.ok()) {
     // The caller puts the file's name in front, and it is there already.
     const std::string& text = mesh.status().message();
-    return Status(mesh.status().code(), text.substr(std::min(text.size(), file.name().size() + 2)));
+    const std::string name = file.name() + ": ";
+    return Status(mesh.status().code(), text.substr(text.rfind(name, 0) == 0 ? name.size() : 0));
   }
   LIMBER_RETURN_IF_ERROR(CheckMesh(*rig, *mesh));
   LIMBER_RETURN_IF_ERROR(ReadTables(file, &*rig).WithContext(place));
@@ -283,9 +286,11 @@ int FindRigNode(const GltfFile& file, int rig_index) {
 }
 
 Result<std::shared_ptr<const Rig>> LoadRig(const GltfFile& file, const RigLoadOptions& options) {
-  Result<std::shared_ptr<const Rig>> rig = BuildRig(file, options.rig_index);
-  if (!rig.ok()) return rig.status().WithContext(file.name());
-  return rig;
+  return CatchOutOfMemory(file.name(), [&]() -> Result<std::shared_ptr<const Rig>> {
+    Result<std::shared_ptr<const Rig>> rig = BuildRig(file, options.rig_index);
+    if (!rig.ok()) return rig.status().WithContext(file.name());
+    return rig;
+  });
 }
 
 Result<std::shared_ptr<const Rig>> LoadRig(const std::filesystem::path& path,

@@ -1,5 +1,8 @@
 #include "load/uri.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
+
 #include <array>
 
 namespace limber {
@@ -39,16 +42,12 @@ bool HasParentSegment(std::string_view path) {
   }
 }
 
-std::string Shortened(std::string_view text) {
-  constexpr size_t kLongest = 80;
-  return std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "");
-}
-
 Result<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
-  std::array<int8_t, 256> value;
-  value.fill(-1);
+  constexpr uint8_t kNoDigit = 64;
+  std::array<uint8_t, 256> value;
+  value.fill(kNoDigit);
   for (size_t i = 0; i < kAlphabet.size(); ++i) {
-    value[static_cast<uint8_t>(kAlphabet[i])] = static_cast<int8_t>(i);
+    value[static_cast<uint8_t>(kAlphabet[i])] = static_cast<uint8_t>(i);
   }
   for (int pad = 0; pad < 2 && !text.empty() && text.back() == '='; ++pad)
     text.remove_suffix(1);
@@ -60,11 +59,11 @@ Result<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
   uint32_t bits = 0;
   int num_bits = 0;
   for (size_t i = 0; i < text.size(); ++i) {
-    const int digit = value[static_cast<uint8_t>(text[i])];
-    if (digit < 0) {
+    const uint8_t digit = value[static_cast<uint8_t>(text[i])];
+    if (digit == kNoDigit) {
       return Error(StatusCode::kMalformed, "character %zu of the content is not base64", i);
     }
-    bits = (bits << 6 | static_cast<uint32_t>(digit)) & 0xFFFFFF;
+    bits = (bits << 6 | uint32_t{digit}) & 0xFFFFFF;
     num_bits += 6;
     if (num_bits >= 8) {
       num_bits -= 8;
@@ -81,16 +80,16 @@ bool IsDataUri(std::string_view uri) {
 }
 
 Result<std::string> RelativePathOfUri(std::string_view uri) {
-  const std::string shown = Shortened(uri);
+  const std::string shown = Quoted(uri);
   const std::string path = PercentDecode(uri);
   if (path.empty() || path.find('\0') != std::string::npos) {
-    return Error(StatusCode::kMalformed, "the URI \"%s\" names no file", shown.c_str());
+    return Error(StatusCode::kMalformed, "the URI %s names no file", shown.c_str());
   }
   // A colon before the first slash is a scheme or a drive letter.
   if (path.front() == '/' || path.find('\\') != std::string::npos ||
       path.substr(0, path.find('/')).find(':') != std::string::npos || HasParentSegment(path)) {
     return Error(StatusCode::kUnsupported,
-                 "the URI \"%s\" leads out of the file's own folder; put the file beside the glTF "
+                 "the URI %s leads out of the file's own folder; put the file beside the glTF "
                  "and name it there, or export as one .glb",
                  shown.c_str());
   }
@@ -112,12 +111,14 @@ Result<DataUri> DecodeDataUri(std::string_view uri, uint64_t max_bytes) {
     return Error(StatusCode::kLimitExceeded, "the data URI holds more than %llu bytes",
                  static_cast<unsigned long long>(max_bytes));
   }
-  Result<std::vector<uint8_t>> bytes = DecodeBase64(content);
-  if (!bytes.ok()) return bytes.status().WithContext("data URI");
-  DataUri result;
-  result.mime_type = header.substr(0, header.find(';'));
-  result.bytes = std::move(*bytes);
-  return result;
+  return CatchOutOfMemory("data URI", [&]() -> Result<DataUri> {
+    Result<std::vector<uint8_t>> bytes = DecodeBase64(content);
+    if (!bytes.ok()) return bytes.status().WithContext("data URI");
+    DataUri result;
+    result.mime_type = header.substr(0, header.find(';'));
+    result.bytes = std::move(*bytes);
+    return result;
+  });
 }
 
 std::string EncodeBase64(std::span<const uint8_t> bytes) {
