@@ -21,10 +21,10 @@ Vec3 Cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// `fallback` where the vector has no direction.
+// `fallback` where the vector has no direction, or is too long for its square.
 Vec3 Normalised(Vec3 v, Vec3 fallback) {
   const float length = std::sqrt(Dot(v, v));
-  if (!(length > 1e-30f)) return fallback;
+  if (!(length > 1e-30f) || !std::isfinite(length)) return fallback;
   return {v.x / length, v.y / length, v.z / length};
 }
 

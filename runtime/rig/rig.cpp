@@ -1,5 +1,7 @@
 #include "rig/rig.h"
 
+#include "core/out_of_memory.h"
+#include "core/printable.h"
 #include "rig/rig_fields.h"
 
 #include <algorithm>
@@ -15,6 +17,10 @@ constexpr int kMaxHandles = 1024;
 constexpr int kMaxShapes = 1024;
 constexpr int kMaxGroups = 4096;
 constexpr int kMaxModes = 16384;
+// A row of weights that sums to 1 + e moves its vertex by e rig units with every translation of the
+// whole: a visible dent from about 1e-3. The bake's own rows, of weights rounded to floats, are
+// within 1e-7 of one for each handle that counts.
+constexpr double kWeightSumTolerance = 1e-4;
 
 Status Expect(const char* what, int64_t found, int64_t low, int64_t high) {
   if (found >= low && found <= high) return {};
@@ -33,6 +39,17 @@ Status CheckFinite(const char* table, const float* values, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     if (!std::isfinite(values[i])) {
       return Error(StatusCode::kMalformed, "%s: element %zu is not a finite number", table, i);
+    }
+  }
+  return {};
+}
+
+// The same for what has a place on the mesh: `count` vertices of `width` values each.
+Status CheckVertices(const char* what, const float* values, size_t count, size_t width) {
+  for (size_t i = 0; i < count * width; ++i) {
+    if (!std::isfinite(values[i])) {
+      return Error(StatusCode::kMalformed, "%s: vertex %zu, component %zu is not a finite number",
+                   what, i / width, i % width);
     }
   }
   return {};
@@ -73,16 +90,18 @@ Status CheckHandles(const RigTables& tables, const SkinMesh& mesh) {
   for (const RigHandle& handle : tables.handles) {
     any_pinned |= handle.pinned;
     if (!names.insert(handle.name).second) {
-      return Error(StatusCode::kMalformed, "handle '%s': the name is used twice",
-                   handle.name.c_str());
+      return Error(StatusCode::kMalformed, "handle %s: the name is used twice",
+                   Quoted(handle.name).c_str());
     }
     if (handle.vertex >= mesh.num_solve_vertices) {
-      return Error(StatusCode::kMalformed, "handle '%s': vertex %u; expected below %u",
-                   handle.name.c_str(), handle.vertex, mesh.num_solve_vertices);
+      return Error(StatusCode::kMalformed, "handle %s: vertex %u; expected below %u",
+                   Quoted(handle.name).c_str(), handle.vertex, mesh.num_solve_vertices);
     }
-    LIMBER_RETURN_IF_ERROR(CheckFinite("handle rest position", &handle.rest_position.x, 1));
-    LIMBER_RETURN_IF_ERROR(CheckFinite("handle rest position", &handle.rest_position.y, 1));
-    LIMBER_RETURN_IF_ERROR(CheckFinite("handle rest position", &handle.rest_position.z, 1));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::isfinite(handle.rest_position[axis])) continue;
+      return Error(StatusCode::kMalformed, "handle %s: its rest position is not finite",
+                   Quoted(handle.name).c_str());
+    }
   }
   if (any_pinned) return {};
   return Error(StatusCode::kNoHandles,
@@ -114,6 +133,42 @@ Status CheckTables(const RigTables& tables) {
   return status;
 }
 
+// Finite, and every row a partition of one: the character then moves with its handles as a whole.
+Status CheckWeights(const SkinMesh& mesh) {
+  const auto num_handles = static_cast<size_t>(mesh.num_handles);
+  const size_t num_solve = mesh.num_solve_vertices;
+  LIMBER_RETURN_IF_ERROR(
+      CheckVertices("skinning weights", mesh.weights.data(), num_solve, num_handles));
+  for (size_t v = 0; v < num_solve; ++v) {
+    double sum = 0;
+    for (size_t h = 0; h < num_handles; ++h)
+      sum += double{mesh.weights[v * num_handles + h]};
+    if (!(std::abs(sum - 1) <= kWeightSumTolerance)) {
+      return Error(StatusCode::kMalformed,
+                   "skinning weights: vertex %zu: they sum to %.9g; expected 1 to within %g, bake "
+                   "the character again",
+                   v, sum, kWeightSumTolerance);
+    }
+  }
+  return {};
+}
+
+// What lies on the surface is finite. (Positions: MeasureShapes.)
+Status CheckSurface(const SkinMesh& mesh) {
+  const size_t num_draw = mesh.num_draw_vertices;
+  for (size_t d = 0; d < num_draw; ++d) {
+    const Vec3& n = mesh.rest_normals[d];
+    if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z)) {
+      return Error(StatusCode::kMalformed, "normals: vertex %zu is not finite", d);
+    }
+  }
+  if (!mesh.rest_tangents.empty()) {
+    LIMBER_RETURN_IF_ERROR(CheckVertices("tangents", mesh.rest_tangents.data(), num_draw, 4));
+  }
+  if (mesh.texcoords.empty()) return {};
+  return CheckVertices("texture coordinates", mesh.texcoords.data(), num_draw, 2);
+}
+
 Status CheckMesh(const SkinMesh& mesh) {
   const size_t num_solve = mesh.num_solve_vertices, num_draw = mesh.num_draw_vertices;
   const auto num_shapes = static_cast<size_t>(mesh.num_shapes);
@@ -139,7 +194,8 @@ Status CheckMesh(const SkinMesh& mesh) {
   LIMBER_RETURN_IF_ERROR(CheckIndices("triangles", mesh.triangles, mesh.num_draw_vertices));
   LIMBER_RETURN_IF_ERROR(
       CheckIndices("source vertices", mesh.source_vertex, mesh.num_source_vertices));
-  LIMBER_RETURN_IF_ERROR(CheckFinite("skinning weights", mesh.weights.data(), mesh.weights.size()));
+  LIMBER_RETURN_IF_ERROR(CheckWeights(mesh));
+  LIMBER_RETURN_IF_ERROR(CheckSurface(mesh));
   for (const SkinPrimitive& primitive : mesh.primitives) {
     if (uint64_t{primitive.first_vertex} + primitive.num_vertices > num_draw ||
         uint64_t{primitive.first_triangle} + primitive.num_triangles > mesh.num_triangles()) {
@@ -175,27 +231,36 @@ Result<float> MeasureShapes(const SkinMesh& mesh) {
   return diagonal;
 }
 
+// The diagonal of the first shape's box, in mesh units, of a character in which all is well.
+Result<float> CheckAll(const RigTables& tables, const SkinMesh& mesh) {
+  LIMBER_RETURN_IF_ERROR(CheckTables(tables));
+  if (mesh.num_handles != tables.num_handles() || mesh.num_shapes != tables.num_shapes()) {
+    return Error(StatusCode::kMalformed, "mesh has %d handles and %d shapes, its tables %d and %d",
+                 mesh.num_handles, mesh.num_shapes, tables.num_handles(), tables.num_shapes());
+  }
+  LIMBER_RETURN_IF_ERROR(CheckMesh(mesh));
+  LIMBER_RETURN_IF_ERROR(CheckHandles(tables, mesh));
+  Result<float> diagonal = MeasureShapes(mesh);
+  if (!diagonal.ok()) return diagonal;
+  *diagonal *= tables.space.scale;
+  if (*diagonal > 0 && std::isfinite(*diagonal)) return diagonal;
+  return Error(StatusCode::kDegenerate, "space: at scale %g the character has no size",
+               static_cast<double>(tables.space.scale));
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Rig>> Rig::Create(std::string name, RigTables tables, SkinMesh mesh) {
-  const auto fail = [&name](const Status& status) { return status.WithContext(name); };
-  if (Status status = CheckTables(tables); !status.ok()) return fail(status);
-  if (mesh.num_handles != tables.num_handles() || mesh.num_shapes != tables.num_shapes()) {
-    return fail(Error(StatusCode::kMalformed,
-                      "mesh has %d handles and %d shapes, its tables %d and %d", mesh.num_handles,
-                      mesh.num_shapes, tables.num_handles(), tables.num_shapes()));
-  }
-  if (Status status = CheckMesh(mesh); !status.ok()) return fail(status);
-  if (Status status = CheckHandles(tables, mesh); !status.ok()) return fail(status);
-  Result<float> diagonal = MeasureShapes(mesh);
-  if (!diagonal.ok()) return fail(diagonal.status());
-
-  std::shared_ptr<Rig> rig(new Rig());
-  rig->name_ = std::move(name);
-  rig->tables_ = std::move(tables);
-  rig->mesh_ = std::move(mesh);
-  rig->diagonal_ = *diagonal * rig->tables_.space.scale;
-  return std::shared_ptr<const Rig>(std::move(rig));
+  return CatchOutOfMemory("rig", [&]() -> Result<std::shared_ptr<const Rig>> {
+    Result<float> diagonal = CheckAll(tables, mesh);
+    if (!diagonal.ok()) return diagonal.status().WithContext(Printable(name));
+    std::shared_ptr<Rig> rig(new Rig());
+    rig->name_ = std::move(name);
+    rig->tables_ = std::move(tables);
+    rig->mesh_ = std::move(mesh);
+    rig->diagonal_ = *diagonal;
+    return std::shared_ptr<const Rig>(std::move(rig));
+  });
 }
 
 int Rig::FindHandle(const std::string& handle_name) const {
