@@ -1,5 +1,6 @@
 #include "pick/picker.h"
 
+#include "core/out_of_memory.h"
 #include "pick/handle_pick.h"
 #include "pick/triangle_hit.h"
 
@@ -225,9 +226,11 @@ Picker& Picker::operator=(Picker&&) noexcept = default;
 Picker::~Picker() = default;
 
 Result<Picker> Picker::Create(const SkinMesh& mesh, std::span<const Vec3> solve_positions) {
-  auto impl = std::make_unique<Impl>();
-  LIMBER_RETURN_IF_ERROR(impl->Build(mesh, solve_positions));
-  return Picker(std::move(impl));
+  return CatchOutOfMemory("picker", [&]() -> Result<Picker> {
+    auto impl = std::make_unique<Impl>();
+    LIMBER_RETURN_IF_ERROR(impl->Build(mesh, solve_positions));
+    return Picker(std::move(impl));
+  });
 }
 
 Status Picker::Update(std::span<const Vec3> solve_positions) {

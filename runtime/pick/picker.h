@@ -68,7 +68,8 @@ class Picker {
   // Builds the structure over the mesh's triangles (through solve_vertex) at the given positions,
   // one for each solve vertex. The mesh is copied as far as it is needed. Triangles without area
   // are allowed and never hit. Errors: kInvalidArgument (number of positions, not finite),
-  // kMalformed (an index out of range), kDegenerate (no triangle), kDeviceError (Embree's).
+  // kMalformed (an index out of range), kDegenerate (no triangle), kDeviceError (Embree's),
+  // kOutOfMemory.
   static Result<Picker> Create(const SkinMesh& mesh, std::span<const Vec3> solve_positions);
   Picker(Picker&&) noexcept;
   Picker& operator=(Picker&&) noexcept;

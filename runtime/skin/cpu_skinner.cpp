@@ -1,23 +1,26 @@
 #include "skin/cpu_skinner.h"
 
+#include "core/out_of_memory.h"
 #include "skin/skin_positions.h"
 #include "skin/vec3_math.h"
 
 namespace limber {
 
 Result<CpuSkinner> CpuSkinner::Create(const SkinMesh& mesh, const RigSpace& space) {
-  Result<SkinTopology> topology = BuildSkinTopology(mesh, space);
-  if (!topology.ok()) return topology.status();
-  CpuSkinner skinner;
-  skinner.layout_ = SkinLayout(mesh);
-  skinner.topology_ = std::move(*topology);
-  skinner.relative_.resize(mesh.num_solve_vertices);
-  skinner.solve_positions_.resize(mesh.num_solve_vertices);
-  skinner.positions_.resize(mesh.num_draw_vertices);
-  skinner.normals_.resize(mesh.num_draw_vertices);
-  skinner.tangents_.resize(mesh.num_draw_vertices);
-  skinner.frames_.resize(skinner.topology_.num_groups());
-  return skinner;
+  return CatchOutOfMemory("skin mesh", [&]() -> Result<CpuSkinner> {
+    Result<SkinTopology> topology = BuildSkinTopology(mesh, space);
+    if (!topology.ok()) return topology.status();
+    CpuSkinner skinner;
+    skinner.layout_ = SkinLayout(mesh);
+    skinner.topology_ = std::move(*topology);
+    skinner.relative_.resize(mesh.num_solve_vertices);
+    skinner.solve_positions_.resize(mesh.num_solve_vertices);
+    skinner.positions_.resize(mesh.num_draw_vertices);
+    skinner.normals_.resize(mesh.num_draw_vertices);
+    skinner.tangents_.resize(mesh.num_draw_vertices);
+    skinner.frames_.resize(skinner.topology_.num_groups());
+    return skinner;
+  });
 }
 
 Status CpuSkinner::SkinPositionsOnly(const SkinTransforms& transforms) {

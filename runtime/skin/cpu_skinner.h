@@ -17,7 +17,8 @@ namespace limber {
 
 // The deformed character: views into a CpuSkinner, valid until its next call. Mesh space.
 // Draw vertices that share a solve vertex have bitwise equal positions; those of one normal group
-// with equal rest normals have bitwise equal normals.
+// with equal rest normals have bitwise equal normals. Normals and tangents are finite whatever the
+// transforms are; positions overflow where the transforms send them out of single precision.
 struct DeformedMesh {
   std::span<const Vec3> solve_positions;  // [V]
   std::span<const Vec3> positions;        // [D] draw vertices
@@ -29,7 +30,7 @@ struct DeformedMesh {
 // Owns what one character needs; one thread at a time.
 class CpuSkinner {
  public:
-  // Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh).
+  // Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
   static Result<CpuSkinner> Create(const SkinMesh& mesh, const RigSpace& space);
 
   // Positions only. Allocates nothing. Errors: kInvalidArgument (wrong number of matrices).

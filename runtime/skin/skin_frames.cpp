@@ -7,11 +7,14 @@
 namespace limber {
 namespace {
 
-// Squared lengths below this are no direction (edges are about one unit at most).
-constexpr float kTiny = 1e-30f;
+// Squared lengths below and above these are no direction (edges are about one unit at most). The
+// bound above leaves room for every product that is taken of such vectors.
+constexpr float kTiny = 1e-30f, kHuge = 1e30f;
 
+// Neither without a length, nor too long, nor infinite or NaN.
 bool IsDirection(Vec3 v) {
-  return Dot(v, v) > kTiny;
+  const float squared = Dot(v, v);
+  return squared > kTiny && squared < kHuge;
 }
 
 Vec3 Normalized(Vec3 v) {
@@ -25,11 +28,23 @@ Vec3 AnyPerpendicular(Vec3 unit) {
   return Normalized(Cross(unit, axis));
 }
 
+// The direction of v as far as it is orthogonal to a unit vector; any orthogonal one where nothing
+// is left of it.
+Vec3 OrthogonalDirection(Vec3 v, Vec3 unit) {
+  const Vec3 rest = v - Dot(unit, v) * unit;
+  if (!IsDirection(rest)) return AnyPerpendicular(unit);
+  const Vec3 direction = Normalized(rest);
+  if (Dot(rest, rest) > 0.01f * Dot(v, v)) return direction;
+  // Little is left, and rounding has put some of `unit` back into it: once more, which is enough
+  // unless it was rounding altogether.
+  const Vec3 again = direction - Dot(unit, direction) * unit;
+  return Dot(again, again) > 0.25f ? Normalized(again) : AnyPerpendicular(unit);
+}
+
 // Of all frames with normal n, the one nearest to the pushed directions: the two-dimensional polar
 // decomposition, so that neither of the two arbitrary rest directions is preferred under shear.
 void FitFrame(Vec3 n, SurfaceFrame* frame) {
-  const Vec3 projected = frame->first - Dot(n, frame->first) * n;
-  const Vec3 t = IsDirection(projected) ? Normalized(projected) : AnyPerpendicular(n);
+  const Vec3 t = OrthogonalDirection(frame->first, n);
   const Vec3 b = Cross(n, t);
   float c = Dot(frame->first, t) + Dot(frame->second, b);
   float s = Dot(frame->first, b) - Dot(frame->second, t);
@@ -56,6 +71,10 @@ SurfaceFrame ComputeSurfaceFrame(const SkinTopology& topology, uint32_t group,
     frame.first = frame.first + corner.first[0] * e1 + corner.first[1] * e2;
     frame.second = frame.second + corner.second[0] * e1 + corner.second[1] * e2;
   }
+  // Differences and sums of finite numbers may have left the range: nothing of it is used then.
+  if (!(Dot(n, n) + Dot(frame.first, frame.first) + Dot(frame.second, frame.second) < kHuge)) {
+    return {};
+  }
   frame.valid = IsDirection(n);
   if (frame.valid) FitFrame(Normalized(n), &frame);
   return frame;
@@ -68,9 +87,8 @@ void ApplyFrame(const SurfaceFrame& frame, const SkinDrawVertex& vertex, Vec3* n
     *normal = Normalized(vertex.normal.x * frame.t + vertex.normal.y * frame.b +
                          vertex.normal.z * frame.n);
   }
-  Vec3 t = vertex.tangent[0] * frame.first + vertex.tangent[1] * frame.second;
-  t = t - Dot(*normal, t) * *normal;
-  tangent->direction = IsDirection(t) ? Normalized(t) : AnyPerpendicular(*normal);
+  const Vec3 t = vertex.tangent[0] * frame.first + vertex.tangent[1] * frame.second;
+  tangent->direction = OrthogonalDirection(t, *normal);
   tangent->handedness = vertex.handedness;
 }
 

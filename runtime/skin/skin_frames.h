@@ -10,14 +10,15 @@ namespace limber {
 
 // What the triangles of one normal group say about the deformed surface at its vertex.
 struct SurfaceFrame {
-  bool valid = false;  // false: no triangle has area
+  bool valid = false;  // false: no triangle has area, or they are beyond all size
   Vec3 t, b, n;        // orthonormal, right-handed; n the area-weighted normal, t and b
                        // nearest to the pushed directions
   Vec3 first, second;  // the two rest tangent directions pushed forward, not normalised
 };
 
 // `positions` are those of the solve vertices, in mesh units; an offset common to all changes
-// nothing but costs digits. Finite for any finite input.
+// nothing but costs digits. Finite for any input: where the sums of areas and edges exceed 1e15 in
+// rig units, or are not finite, the frame is not valid and its directions are zero.
 SurfaceFrame ComputeSurfaceFrame(const SkinTopology& topology, uint32_t group,
                                  std::span<const Vec3> positions);
 
@@ -29,7 +30,8 @@ struct Tangent {
 
 static_assert(sizeof(Tangent) == 16, "VEC4, as in a vertex buffer");
 
-// Normal and tangent of one draw vertex from the frame of its group. Both are unit and orthogonal.
+// Normal and tangent of one draw vertex from the frame of its group. Both are unit and orthogonal
+// for any frame of ComputeSurfaceFrame; without a valid one the normal is the stored one.
 void ApplyFrame(const SurfaceFrame& frame, const SkinDrawVertex& vertex, Vec3* normal,
                 Tangent* tangent);
 

@@ -7,7 +7,7 @@ namespace limber {
 namespace {
 
 constexpr uint32_t kLanes = SkinLayout::kLanes;
-constexpr int kMatrixFloats = 12;
+constexpr size_t kMatrixFloats = 12;
 
 // Eight floats; the compiler lowers them to one AVX register or two SSE ones.
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
@@ -23,22 +23,23 @@ __attribute__((always_inline)) inline void Load(const float* from, Lanes* lanes)
 __attribute__((always_inline)) inline void SkinBlock(const SkinLayout& layout,
                                                      const SkinTransforms& transforms,
                                                      uint32_t block, Lanes* q) {
-  const int num_shapes = layout.num_shapes();
+  const auto num_handles = static_cast<size_t>(layout.num_handles());
+  const auto num_shapes = static_cast<size_t>(layout.num_shapes());
   const float* weights = layout.weights(block);
   const float* shapes = layout.shapes(block);
   const float* matrix = transforms.matrices.data();
-  for (int h = 0; h < layout.num_handles(); ++h) {
+  for (size_t h = 0; h < num_handles; ++h) {
     Lanes y0 = {}, y1 = {}, y2 = {}, weight;
-    for (int s = 0; s < num_shapes; ++s, matrix += kMatrixFloats) {
+    for (size_t s = 0; s < num_shapes; ++s, matrix += kMatrixFloats) {
       Lanes px, py, pz;
-      Load(shapes + (s * 3 + 0) * static_cast<int>(kLanes), &px);
-      Load(shapes + (s * 3 + 1) * static_cast<int>(kLanes), &py);
-      Load(shapes + (s * 3 + 2) * static_cast<int>(kLanes), &pz);
+      Load(shapes + (s * 3 + 0) * kLanes, &px);
+      Load(shapes + (s * 3 + 1) * kLanes, &py);
+      Load(shapes + (s * 3 + 2) * kLanes, &pz);
       y0 += matrix[0] * px + matrix[1] * py + (matrix[2] * pz + matrix[3]);
       y1 += matrix[4] * px + matrix[5] * py + (matrix[6] * pz + matrix[7]);
       y2 += matrix[8] * px + matrix[9] * py + (matrix[10] * pz + matrix[11]);
     }
-    Load(weights + h * static_cast<int>(kLanes), &weight);
+    Load(weights + h * kLanes, &weight);
     q[0] += weight * y0;
     q[1] += weight * y1;
     q[2] += weight * y2;
@@ -89,6 +90,14 @@ Status CheckSizes(int num_handles, int num_shapes, uint32_t num_vertices,
   return {};
 }
 
+// q += weight * matrix * [p; 1]
+void AddTransformed(const float* matrix, Vec3 p, double weight, double* q) {
+  for (int row = 0; row < 3; ++row, matrix += 4) {
+    q[row] += weight * (double{matrix[0]} * p.x + double{matrix[1]} * p.y +
+                        double{matrix[2]} * p.z + matrix[3]);
+  }
+}
+
 }  // namespace
 
 Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transforms,
@@ -102,11 +111,8 @@ Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transf
     for (size_t h = 0; h < num_handles; ++h) {
       const double weight = mesh.weights[v * num_handles + h];
       for (size_t s = 0; s < num_shapes; ++s) {
-        const float* a = transforms.matrices.data() + (h * num_shapes + s) * kMatrixFloats;
-        const Vec3& p = mesh.shape_positions[s * out.size() + v];
-        for (int row = 0; row < 3; ++row, a += 4) {
-          q[row] += weight * (double{a[0]} * p.x + double{a[1]} * p.y + double{a[2]} * p.z + a[3]);
-        }
+        AddTransformed(transforms.matrices.data() + (h * num_shapes + s) * kMatrixFloats,
+                       mesh.shape_positions[s * out.size() + v], weight, q);
       }
     }
     out[v] = {static_cast<float>(q[0] + transforms.origin.x),

@@ -1,5 +1,6 @@
 #include "skin/skin_topology.h"
 
+#include "core/out_of_memory.h"
 #include "skin/skin_frames.h"
 #include "skin/skin_layout.h"
 #include "skin/vec3_math.h"
@@ -59,34 +60,36 @@ void AssignGroups(const SkinMesh& mesh, const std::vector<Vec3>& normals, SkinTo
   }
 }
 
-// Lists the triangles of each group; those that weld to fewer than three corners have no area.
-void ListCorners(const SkinMesh& mesh, SkinTopology* topology) {
-  std::vector<uint32_t>& starts = topology->group_corners;
-  starts.assign(topology->num_groups() + 1, 0);
-  std::vector<uint32_t> fill;
-  for (const bool counting : {true, false}) {
-    for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
-      const uint32_t* triangle = mesh.triangles.data() + t;
-      const uint32_t v[3] = {mesh.solve_vertex[triangle[0]], mesh.solve_vertex[triangle[1]],
-                             mesh.solve_vertex[triangle[2]]};
-      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-      for (int i = 0; i < 3; ++i) {
-        const uint32_t group = topology->draw_vertices[triangle[i]].normal_group;
-        if (counting) {
-          ++starts[group + 1];
-        } else {
-          SkinCorner& corner = topology->corners[fill[group]++];
-          corner.a = v[(i + 1) % 3];
-          corner.b = v[(i + 2) % 3];
-        }
-      }
-    }
-    if (counting) {
-      std::partial_sum(starts.begin(), starts.end(), starts.begin());
-      topology->corners.resize(starts.back());
-      fill.assign(starts.begin(), starts.end() - 1);
+// Calls visit(group, a, b) for each corner of each triangle: the group of its draw vertex and the
+// solve vertices of the other two, in order. Triangles that weld to fewer than three corners have
+// no area and are passed over.
+template <class Visitor>
+void VisitCorners(const SkinMesh& mesh, const SkinTopology& topology, Visitor&& visit) {
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const uint32_t* triangle = mesh.triangles.data() + t;
+    const uint32_t v[3] = {mesh.solve_vertex[triangle[0]], mesh.solve_vertex[triangle[1]],
+                           mesh.solve_vertex[triangle[2]]};
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+    for (size_t i = 0; i < 3; ++i) {
+      visit(topology.draw_vertices[triangle[i]].normal_group, v[(i + 1) % 3], v[(i + 2) % 3]);
     }
   }
+}
+
+// Lists the triangles of each group: counted, then stored where the counts say.
+void ListCorners(const SkinMesh& mesh, SkinTopology* topology) {
+  std::vector<uint32_t>& starts = topology->group_corners;
+  starts.assign(size_t{topology->num_groups()} + 1, 0);
+  VisitCorners(mesh, *topology,
+               [&](uint32_t group, uint32_t, uint32_t) { ++starts[size_t{group} + 1]; });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  topology->corners.resize(starts.back());
+  std::vector<uint32_t> fill(starts.begin(), starts.end() - 1);
+  VisitCorners(mesh, *topology, [&](uint32_t group, uint32_t a, uint32_t b) {
+    SkinCorner& corner = topology->corners[fill[group]++];
+    corner.a = a;
+    corner.b = b;
+  });
 }
 
 struct Vector3d {
@@ -101,9 +104,15 @@ double Dot(const Vector3d& a, const Vector3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+float NarrowOrZero(double x) {
+  return std::abs(x) <= double{std::numeric_limits<float>::max()} ? static_cast<float>(x) : 0.0f;
+}
+
 // Coefficients of one group: each triangle writes the directions, projected into its plane, in its
 // two edges; triangles are weighted by squared area. Solving with the Gram matrix divides by that
-// same squared area, so nothing is divided by and a triangle without area weighs nothing.
+// same squared area, so nothing is divided by and a triangle without area weighs nothing. Triangles
+// that are out of proportion to each other by more than single precision holds weigh nothing
+// either.
 void FitCorners(const std::vector<Vec3>& rest, Vec3 first, Vec3 second, uint32_t group,
                 SkinTopology* topology) {
   const uint32_t begin = topology->group_corners[group], end = topology->group_corners[group + 1];
@@ -123,11 +132,11 @@ void FitCorners(const std::vector<Vec3>& rest, Vec3 first, Vec3 second, uint32_t
       for (int i = 0; i < 2; ++i) {
         const double r1 = Dot(e1, directions[i]), r2 = Dot(e2, directions[i]);
         float* out = i == 0 ? corner.first : corner.second;
-        out[0] = static_cast<float>((g22 * r1 - g12 * r2) / total);
-        out[1] = static_cast<float>((g11 * r2 - g12 * r1) / total);
+        out[0] = NarrowOrZero((g22 * r1 - g12 * r2) / total);
+        out[1] = NarrowOrZero((g11 * r2 - g12 * r1) / total);
       }
     }
-    if (!(total > 1e-60)) return;  // all coefficients stay zero
+    if (!(total > 1e-60) || !std::isfinite(total)) return;  // all coefficients stay zero
   }
 }
 
@@ -168,9 +177,7 @@ void ChooseDirections(const SurfaceFrame& frame, Vec3* first, Vec3* second) {
   *second = frame.valid ? frame.b : Vec3{};
 }
 
-}  // namespace
-
-Result<SkinTopology> BuildSkinTopology(const SkinMesh& mesh, const RigSpace& space) {
+Result<SkinTopology> BuildTopology(const SkinMesh& mesh, const RigSpace& space) {
   LIMBER_RETURN_IF_ERROR(CheckSkinMesh(mesh));
   if (!(space.scale > 0) || !std::isfinite(1 / space.scale)) {
     return Error(StatusCode::kMalformed, "rig space: scale is %g, expected a positive number",
@@ -201,6 +208,12 @@ Result<SkinTopology> BuildSkinTopology(const SkinMesh& mesh, const RigSpace& spa
                  topology.has_tangents ? mesh.rest_tangents.data() + 4 * d : nullptr, &vertex);
   }
   return topology;
+}
+
+}  // namespace
+
+Result<SkinTopology> BuildSkinTopology(const SkinMesh& mesh, const RigSpace& space) {
+  return CatchOutOfMemory("skin mesh", [&] { return BuildTopology(mesh, space); });
 }
 
 }  // namespace limber

@@ -53,8 +53,7 @@ struct SkinTopology {
 };
 
 // The rest pose is the first example shape, which rest_normals and rest_tangents must belong to;
-// `space` is the rig's. Errors: kMalformed
-// (CheckSkinMesh).
+// `space` is the rig's. Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
 Result<SkinTopology> BuildSkinTopology(const SkinMesh& mesh, const RigSpace& space);
 
 }  // namespace limber

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace limber {
 namespace {
@@ -189,6 +191,70 @@ TEST(SkinFrames, TinyAndHugeCharacters_KeepTheirNormals) {
       EXPECT_LT((Wide(skinner.result().normals[d]) - Wide(fixture.mesh.rest_normals[d])).norm(),
                 2e-5);
     }
+  }
+}
+
+// Every mixture of coordinates that a float can hold, from the same sequence on every machine.
+float Extreme(uint32_t* state) {
+  static constexpr float kLargest = std::numeric_limits<float>::max();
+  static constexpr float kSmallest = std::numeric_limits<float>::min();
+  static constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
+  static constexpr float kValues[] = {0,     1,     0.5f,     1e-20f,    1e20f,    3e9f,
+                                      1e-8f, 1e15f, kLargest, kSmallest, kDenormal};
+  *state = *state * 1664525u + 1013904223u;
+  const float value = kValues[(*state >> 8) % std::size(kValues)];
+  return (*state >> 24) % 2 == 0 ? value : -value;
+}
+
+TEST(SkinFrames, CoordinatesOfAnySize_GiveFiniteUnitFrames) {
+  const test::SkinFixture fixture = test::MakeSeamSphereFixture(9, 6);
+  Result<SkinTopology> topology = BuildSkinTopology(fixture.mesh, fixture.space);
+  ASSERT_TRUE(topology.ok()) << topology.status().message();
+  std::vector<Vec3> positions(fixture.mesh.num_solve_vertices);
+  uint32_t state = 1;
+  for (int round = 0; round < 300; ++round) {
+    for (Vec3& p : positions)
+      p = {Extreme(&state), Extreme(&state), Extreme(&state)};
+    for (const SkinDrawVertex& vertex : topology->draw_vertices) {
+      const SurfaceFrame frame = ComputeSurfaceFrame(*topology, vertex.normal_group, positions);
+      for (const Vec3& v : {frame.first, frame.second, frame.n, frame.t, frame.b})
+        ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) << round;
+      Vec3 normal;
+      Tangent tangent;
+      ApplyFrame(frame, vertex, &normal, &tangent);
+      ASSERT_NEAR(Wide(normal).norm(), 1, 1e-5) << round;
+      ASSERT_NEAR(Wide(tangent.direction).norm(), 1, 1e-5) << round;
+      ASSERT_NEAR(Wide(normal).dot(Wide(tangent.direction)), 0, 1e-5) << round;
+    }
+  }
+}
+
+// The same for what the topology stores of the rest shape: no number of it is infinite or NaN.
+TEST(SkinFrames, RestShapesOfAnySize_GiveFiniteTopologies) {
+  uint32_t state = 7;
+  for (int round = 0; round < 300; ++round) {
+    test::SkinFixture fixture = test::MakeSeamSphereFixture(9, 6);
+    const Vec3 size = {Extreme(&state), Extreme(&state), Extreme(&state)};
+    for (Vec3& p : fixture.mesh.shape_positions) {
+      // Some rounds stretch the sphere, the others leave nothing of it.
+      p = round % 2 == 0 ? Vec3{Extreme(&state), Extreme(&state), Extreme(&state)}
+                         : Vec3{p.x * size.x, p.y * size.y, p.z * size.z};
+    }
+    Result<SkinTopology> topology = BuildSkinTopology(fixture.mesh, fixture.space);
+    ASSERT_TRUE(topology.ok()) << topology.status().message();
+    for (const SkinCorner& c : topology->corners) {
+      for (const float x : {c.first[0], c.first[1], c.second[0], c.second[1]})
+        ASSERT_TRUE(std::isfinite(x)) << round;
+    }
+    for (const SkinDrawVertex& vertex : topology->draw_vertices) {
+      ASSERT_NEAR(Wide(vertex.normal).norm(), 1, 1e-4) << round;
+      ASSERT_TRUE(std::isfinite(vertex.tangent[0]) && std::isfinite(vertex.tangent[1])) << round;
+    }
+    // At rest with all of that: unit frames, or the stored ones.
+    CpuSkinner skinner = MakeSkinner(fixture);
+    ASSERT_TRUE(skinner.Skin(test::RestPose(fixture).view()).ok());
+    ExpectUnit(skinner.result());
+    if (HasFatalFailure()) return;
   }
 }
 
