@@ -34,16 +34,23 @@ int Farthest(const std::vector<int>& candidates, const Eigen::VectorXd& distance
 }
 
 std::vector<int> EligibleVertices(const SolveMesh& mesh) {
-  std::vector<int> eligible;
+  const auto num_vertices = static_cast<size_t>(mesh.num_vertices());
+  std::vector<bool> has_triangle(num_vertices, false);
+  for (const std::array<int, 3>& triangle : mesh.triangles) {
+    for (const int v : triangle)
+      has_triangle[static_cast<size_t>(v)] = true;
+  }
   const bool has_components = !mesh.component.empty();
   std::vector<int> part_size(static_cast<size_t>(std::max(mesh.num_components, 1)), 0);
-  const auto part = [&](int v) { return has_components ? mesh.component[v] : 0; };
-  for (int v = 0; v < mesh.num_vertices(); ++v)
+  const auto part = [&](size_t v) {
+    return has_components ? static_cast<size_t>(mesh.component[v]) : 0;
+  };
+  for (size_t v = 0; v < num_vertices; ++v)
     ++part_size[part(v)];
-  for (int v = 0; v < mesh.num_vertices(); ++v) {
-    if (part(v) == 0 || part_size[part(v)] >= kSmallestPart * mesh.num_vertices()) {
-      eligible.push_back(v);
-    }
+  std::vector<int> eligible;
+  for (size_t v = 0; v < num_vertices; ++v) {
+    const bool is_large = part(v) == 0 || part_size[part(v)] >= kSmallestPart * mesh.num_vertices();
+    if (has_triangle[v] && is_large) eligible.push_back(static_cast<int>(v));
   }
   return eligible;
 }
@@ -144,8 +151,8 @@ Eigen::VectorXd SpreadDistance(const SolveMesh& mesh, const EdgeGraph& graph, in
 
 std::vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
   std::vector<int> chosen;
-  if (mesh.num_vertices() == 0 || count < 1) return chosen;
   const std::vector<int> eligible = EligibleVertices(mesh);
+  if (eligible.empty() || count < 1) return chosen;
   const EdgeGraph graph(mesh);
   const Remoteness remoteness = MeasureRemoteness(graph, eligible);
   const std::vector<int> tips = FindTips(mesh, graph, eligible, remoteness);

@@ -82,6 +82,24 @@ TEST(SpreadPoints, SmallParts_AreLeftOut) {
     EXPECT_EQ(mesh.component[v], 0);
 }
 
+// The tinier the mesh, the larger a share of it one loose vertex is.
+TEST(SpreadPoints, VerticesWithoutTriangles_AreNeverChosen) {
+  SolveMesh loose;
+  loose.shapes.push_back(geometry::PointMatrix::Zero(1, 3));
+  SolveMesh mesh = test::MakeGrid(2, 1);
+  const int num_used = mesh.num_vertices();
+  test::Append(loose, {9, 0, 0}, &mesh);
+  test::Append(loose, {-9, 0, 0}, &mesh);
+  ConnectComponents(&mesh);
+  ASSERT_EQ(mesh.num_vertices(), num_used + 2);
+  const std::vector<int> points = SpreadPoints(mesh, 10);
+  EXPECT_EQ(points.size(), static_cast<size_t>(num_used));
+  for (const int v : points)
+    EXPECT_LT(v, num_used);
+  ConnectComponents(&loose);
+  EXPECT_TRUE(SpreadPoints(loose, 3).empty());
+}
+
 TEST(SpreadPoints, FewerPointsThanWanted_GivesThemAll) {
   SolveMesh mesh = test::MakeGrid(1, 1);
   ConnectComponents(&mesh);
