@@ -108,17 +108,14 @@ Status CharacterModel::CreateTextures(const MaterialSet& set) {
   LIMBER_RETURN_IF_ERROR(AddTexture(white, false, &first));
   color_slot_.assign(set.images.size(), -1);
   normal_slot_.assign(set.images.size(), -1);
+  const auto add = [&](const MaterialTexture& texture, bool srgb, std::vector<int>* slots) {
+    if (texture.image < 0) return Status();
+    const auto i = static_cast<size_t>(texture.image);
+    return AddTexture(set.images.at(i), srgb, &slots->at(i));
+  };
   for (const CharacterDraw& draw : draws_) {
-    const int color = draw.material.base_color_texture.image;
-    const int normal = draw.material.normal_texture.image;
-    if (color >= 0) {
-      const auto i = static_cast<size_t>(color);
-      LIMBER_RETURN_IF_ERROR(AddTexture(set.images.at(i), true, &color_slot_[i]));
-    }
-    if (normal >= 0) {
-      const auto i = static_cast<size_t>(normal);
-      LIMBER_RETURN_IF_ERROR(AddTexture(set.images.at(i), false, &normal_slot_[i]));
-    }
+    LIMBER_RETURN_IF_ERROR(add(draw.material.base_color_texture, true, &color_slot_));
+    LIMBER_RETURN_IF_ERROR(add(draw.material.normal_texture, false, &normal_slot_));
   }
   return {};
 }

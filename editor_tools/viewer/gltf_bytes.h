@@ -11,6 +11,7 @@
 
 namespace limber::viewer {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): looks into json's own move, which is noexcept
 class GltfBytes {
  public:
   // Errors: kNotFound, kMalformed, kLimitExceeded (over 2 GiB).

@@ -122,7 +122,7 @@ Status RenderPipelines::Create(VulkanDevice* device, const RenderTargets& target
   device_ = device;
   LIMBER_RETURN_IF_ERROR(CreateLayouts());
   LIMBER_RETURN_IF_ERROR(CreateSampler());
-  using namespace shaders;  // NOLINT(google-build-using-namespace)
+  using namespace shaders;
   Recipe recipe;
   recipe.pass = targets.color_pass();
   recipe.samples = targets.samples();
@@ -147,12 +147,11 @@ Status RenderPipelines::Create(VulkanDevice* device, const RenderTargets& target
   recipe.fragment = kCharacterFragSpirv;
   recipe.vertices = VertexKind::kCharacter;
   recipe.depth = Depth::kTestAndWrite;
-  for (const bool blend : {false, true}) {
-    for (const bool double_sided : {false, true}) {
-      recipe.blend = blend;
-      recipe.cull = !double_sided;
-      LIMBER_RETURN_IF_ERROR(Build(recipe, &character_[blend ? 1 : 0][double_sided ? 1 : 0]));
-    }
+  for (const size_t i : {0, 1, 2, 3}) {
+    const size_t blend = i / 2, double_sided = i % 2;
+    recipe.blend = blend == 1;
+    recipe.cull = double_sided == 0;
+    LIMBER_RETURN_IF_ERROR(Build(recipe, &character_[blend][double_sided]));
   }
 
   Recipe shadow;

@@ -2,26 +2,17 @@
 
 #include "skin_vulkan/vulkan_buffer.h"
 
+#include <stb_image.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 8192
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb_image.h>
-#pragma GCC diagnostic pop
-
 namespace limber::viewer {
 namespace {
 
-constexpr int kMaxSide = STBI_MAX_DIMENSIONS;
+constexpr int kMaxSide = STBI_MAX_DIMENSIONS;  // what stb_image is built with
 
 // Linear light of each sRGB code.
 const std::array<float, 256>& LinearOfSrgb() {
@@ -42,27 +33,32 @@ uint8_t SrgbOfLinear(float linear) {
   return static_cast<uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255));
 }
 
+// The mean of one channel of four pixels, `code_is_srgb` in linear light.
+uint8_t Mean(const std::array<const uint8_t*, 4>& pixels, size_t channel, bool code_is_srgb) {
+  const auto& linear = LinearOfSrgb();
+  float sum = 0;
+  for (const uint8_t* pixel : pixels) {
+    sum += code_is_srgb ? linear[pixel[channel]] : static_cast<float>(pixel[channel]);
+  }
+  return code_is_srgb ? SrgbOfLinear(sum / 4) : static_cast<uint8_t>(std::lround(sum / 4));
+}
+
 // Half the size (rounded down, at least 1), each pixel the mean of the ones it covers.
 Image HalfSize(const Image& from, bool srgb) {
   Image to;
   to.width = std::max(1u, from.width / 2);
   to.height = std::max(1u, from.height / 2);
   to.rgba.resize(size_t{to.width} * to.height * 4);
-  const auto& linear = LinearOfSrgb();
+  uint8_t* out = to.rgba.data();
   for (uint32_t y = 0; y < to.height; ++y) {
-    for (uint32_t x = 0; x < to.width; ++x) {
+    const uint32_t y1 = std::min(2 * y + 1, from.height - 1);
+    for (uint32_t x = 0; x < to.width; ++x, out += 4) {
       const uint32_t x1 = std::min(2 * x + 1, from.width - 1);
-      const uint32_t y1 = std::min(2 * y + 1, from.height - 1);
-      const uint8_t* corners[4] = {from.pixel(2 * x, 2 * y), from.pixel(x1, 2 * y),
-                                   from.pixel(2 * x, y1), from.pixel(x1, y1)};
-      uint8_t* out = to.rgba.data() + (size_t{y} * to.width + x) * 4;
-      for (int c = 0; c < 4; ++c) {
-        float sum = 0;
-        for (const uint8_t* corner : corners) {
-          sum += srgb && c < 3 ? linear[corner[c]] : static_cast<float>(corner[c]);
-        }
-        out[c] = srgb && c < 3 ? SrgbOfLinear(sum / 4) : static_cast<uint8_t>(std::lround(sum / 4));
-      }
+      const std::array<const uint8_t*, 4> covered = {from.pixel(2 * x, 2 * y),
+                                                     from.pixel(x1, 2 * y), from.pixel(2 * x, y1),
+                                                     from.pixel(x1, y1)};
+      for (size_t c = 0; c < 4; ++c)
+        out[c] = Mean(covered, c, srgb && c < 3);
     }
   }
   return to;

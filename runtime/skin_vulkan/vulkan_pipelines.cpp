@@ -22,7 +22,7 @@ Status SkinPipelines::Create(const VulkanApi& api, const SkinPipelineOptions& op
   matrices_type_ = options.matrices_in_storage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
                                                : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   LIMBER_RETURN_IF_ERROR(CreateLayouts());
-  using namespace shaders;  // NOLINT(google-build-using-namespace)
+  using namespace shaders;
   LIMBER_RETURN_IF_ERROR(
       options.matrices_in_storage
           ? CreatePipeline(kSkinPositionsStorageSpirv, sizeof(kSkinPositionsStorageSpirv), options,

@@ -43,12 +43,15 @@ void KeepLoaded(const std::string& icd) {
 }  // namespace
 
 std::string PrepareVulkan() {
-  if (std::getenv("VK_ICD_FILENAMES") == nullptr) {
-    const std::string icd = FindLavapipe();
+  std::string icd;
+  if (const char* pinned = std::getenv("VK_ICD_FILENAMES"); pinned != nullptr) {
+    icd = pinned;
+  } else {
+    icd = FindLavapipe();
     if (icd.empty()) return "Mesa's lavapipe (package mesa-vulkan-drivers) is not installed";
     setenv("VK_ICD_FILENAMES", icd.c_str(), 1);
   }
-  KeepLoaded(std::getenv("VK_ICD_FILENAMES"));
+  KeepLoaded(icd);
   return {};
 }
 
