@@ -17,22 +17,61 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Status CheckFits(const RawCharacter& raw, const BakedCharacter& baked, const GltfFile& file,
-                 const GltfMorphMesh& mesh) {
-  const auto nodes = file.json().find("nodes");
-  const bool node_fits = nodes != file.json().end() && raw.node >= 0 &&
+// The source as it is on the disk now, and the changes to it.
+struct OpenSource {
+  GltfFile file;
+  GltfMorphMesh mesh;
+  GltfPatch patch;
+};
+
+Result<OpenSource> Open(const std::filesystem::path& source, const RawCharacter& raw,
+                        const std::filesystem::path& out) {
+  const std::string extension = out.extension().string();
+  if (extension != ".glb" && extension != ".gltf") {
+    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb or .gltf",
+                 out.string().c_str());
+  }
+  Result<GltfFile> file = GltfFile::Open(source);
+  if (!file.ok()) return file.status();
+  Result<GltfMorphMesh> mesh = ReadMorphMesh(*file, raw.mesh);
+  if (!mesh.ok()) return mesh.status();
+  Result<GltfPatch> patch = GltfPatch::Begin(*file);
+  if (!patch.ok()) return patch.status();
+  return OpenSource{std::move(*file), std::move(*mesh), std::move(*patch)};
+}
+
+Status CheckFits(const RawCharacter& raw, size_t num_shapes, size_t num_draw_vertices,
+                 size_t num_primitives, const OpenSource& source) {
+  const GltfMorphMesh& mesh = source.mesh;
+  const auto nodes = source.file.json().find("nodes");
+  const bool node_fits = nodes != source.file.json().end() && raw.node >= 0 &&
                          static_cast<size_t>(raw.node) < nodes->size() &&
                          (*nodes)[static_cast<size_t>(raw.node)].value("mesh", -1) == raw.mesh;
-  const size_t num_shapes = baked.tables.shape_names.size();
   const bool shapes_fit =
       num_shapes == mesh.targets.size() || num_shapes == mesh.targets.size() + 1;
-  if (node_fits && shapes_fit && baked.mesh.solve_vertex.size() == mesh.positions.size() &&
-      baked.mesh.primitives.size() == mesh.primitives.size()) {
+  if (node_fits && shapes_fit && num_draw_vertices == mesh.positions.size() &&
+      num_primitives == mesh.primitives.size()) {
     return {};
   }
   return Error(StatusCode::kInvalidArgument,
                "mesh \"%s\": it is not the one that was baked; bake again from this file",
                mesh.name.c_str());
+}
+
+Status CheckLimits(const GltfMorphMesh& mesh, size_t num_handles) {
+  const GltfLimits limits;
+  if (num_handles > limits.max_handles) {
+    return Error(StatusCode::kLimitExceeded, "handles: %zu are too many, the limit is %llu",
+                 num_handles, static_cast<unsigned long long>(limits.max_handles));
+  }
+  if (uint64_t{mesh.num_vertices()} * num_handles > limits.max_weights) {
+    return Error(StatusCode::kLimitExceeded,
+                 "mesh \"%s\": %u vertices times %zu handles are more than the limit of %llu; "
+                 "bake with fewer handles",
+                 mesh.name.c_str(), mesh.num_vertices(), num_handles,
+                 static_cast<unsigned long long>(limits.max_weights));
+  }
+  return {};
 }
 
 // The extension object, made where there is none. Another version's numbers mean something else.
@@ -170,24 +209,33 @@ Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const Gltf
 
 }  // namespace
 
+Status CheckBeforeBake(const std::filesystem::path& source, const RawCharacter& raw,
+                       size_t num_handles, const std::filesystem::path& out) {
+  Result<OpenSource> open = Open(source, raw, out);
+  if (!open.ok()) return open.status();
+  const std::string& name = open->file.name();
+  LIMBER_RETURN_IF_ERROR(CheckFits(raw, raw.shapes.size(),
+                                   static_cast<size_t>(raw.num_draw_vertices()),
+                                   raw.primitives.size(), *open)
+                             .WithContext(name));
+  LIMBER_RETURN_IF_ERROR(CheckLimits(open->mesh, num_handles).WithContext(name));
+  LIMBER_RETURN_IF_ERROR(OpenExtension(&open->patch.json()).status().WithContext(name));
+  return CheckOutputPlace(out);
+}
+
 Status WriteBaked(const std::filesystem::path& source, const RawCharacter& raw,
                   const BakedCharacter& baked, const std::filesystem::path& out) {
-  const std::string extension = out.extension().string();
-  if (extension != ".glb" && extension != ".gltf") {
-    return Error(StatusCode::kInvalidArgument, "%s: name the output .glb (or .gltf)",
-                 out.string().c_str());
-  }
-  Result<GltfFile> file = GltfFile::Open(source);
-  if (!file.ok()) return file.status();
-  Result<GltfMorphMesh> mesh = ReadMorphMesh(*file, raw.mesh);
-  if (!mesh.ok()) return mesh.status();
-  LIMBER_RETURN_IF_ERROR(CheckFits(raw, baked, *file, *mesh).WithContext(file->name()));
-  Result<GltfPatch> patch = GltfPatch::Begin(*file);
-  if (!patch.ok()) return patch.status();
+  Result<OpenSource> open = Open(source, raw, out);
+  if (!open.ok()) return open.status();
+  const std::string& name = open->file.name();
+  LIMBER_RETURN_IF_ERROR(CheckFits(raw, baked.tables.shape_names.size(),
+                                   baked.mesh.solve_vertex.size(), baked.mesh.primitives.size(),
+                                   *open)
+                             .WithContext(name));
   size_t rig_index = 0;
   LIMBER_RETURN_IF_ERROR(
-      PatchRig(raw, baked, *mesh, &*patch, &rig_index).WithContext(file->name()));
-  Result<std::vector<uint8_t>> bytes = patch->Finish(extension == ".glb");
+      PatchRig(raw, baked, open->mesh, &open->patch, &rig_index).WithContext(name));
+  Result<std::vector<uint8_t>> bytes = open->patch.Finish(out.extension() == ".glb");
   if (!bytes.ok()) return bytes.status().WithContext(out.string());
   RigLoadOptions options;
   options.rig_index = static_cast<int>(rig_index);

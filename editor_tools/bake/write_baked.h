@@ -6,9 +6,17 @@
 #include "core/status.h"
 #include "import/raw_character.h"
 
+#include <cstddef>
 #include <filesystem>
 
 namespace limber::bake {
+
+// Whether WriteBaked could store a bake of `raw` with that many handles: everything that can be
+// known before minutes of work. Reads the source with its images, writes nothing. Errors: those of
+// WriteBaked, but for what only the bake itself decides (the size of its tables); kLimitExceeded
+// (more handles than a baked file may have).
+Status CheckBeforeBake(const std::filesystem::path& source, const RawCharacter& raw,
+                       size_t num_handles, const std::filesystem::path& out);
 
 // source: the glTF that `raw` was imported from, unchanged since. out: .glb, or .gltf with its data
 // inside; both self-contained, replaced by rename, and proved to load before that. Everything else

@@ -5,14 +5,13 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
+#include "import/file_output.h"
 #include "import/import_gltf.h"
 
-#include <unistd.h>
-
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 namespace limber::cli {
 namespace {
@@ -47,27 +46,10 @@ struct BakeCommandOptions {
   bool no_rotations = false;
 };
 
-// Fails early, before minutes of work whose result could not be stored.
-Status CheckOutputPlace(const std::string& output) {
-  const fs::path path(output);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    return Error(StatusCode::kIoError, "%s: output: is a folder; name a file", output.c_str());
-  }
-  if (!fs::is_directory(folder, ignored)) {
-    return Error(StatusCode::kIoError, "%s: output: there is no folder %s; make it first",
-                 output.c_str(), folder.c_str());
-  }
-  if (access(folder.c_str(), W_OK) != 0) {
-    return Error(StatusCode::kIoError, "%s: output: no permission to write into %s", output.c_str(),
-                 folder.c_str());
-  }
-  if (path.extension() != ".glb" && path.extension() != ".gltf") {
-    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb or .gltf",
-                 output.c_str());
-  }
-  return {};
+// Baking in place is allowed: nothing of the input is lost.
+Status CheckOutput(const BakeCommandOptions& options) {
+  LIMBER_RETURN_IF_ERROR(bake::CheckOutputPlace(options.output));
+  return bake::CheckKeepsInputs(options.output, std::array<fs::path, 1>{options.handle_file});
 }
 
 struct BakeSummary {
@@ -135,7 +117,7 @@ void PrintSummary(const BakeCommandOptions& options, const BakeSummary& summary,
 }
 
 ExitCode RunBake(BakeCommandOptions options, const Console& console) {
-  if (Status s = CheckOutputPlace(options.output); !s.ok()) return console.Fail(s);
+  if (Status s = CheckOutput(options); !s.ok()) return console.Fail(s);
   const auto start = Clock::now();
   ProgressBar progress(console);
   const auto fail = [&](const Status& status) {
@@ -151,6 +133,10 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
   Result<HandleChoice> choice =
       ChooseHandleSource(*raw, options.handle_file, options.num_auto_handles);
   if (!choice.ok()) return fail(choice.status());
+  if (Status s = bake::CheckBeforeBake(options.input, *raw, choice->handles.size(), options.output);
+      !s.ok()) {
+    return fail(s);
+  }
 
   options.bake.rotations = !options.no_rotations;
   const auto report = [&](const char* stage, double fraction) {

@@ -1,5 +1,6 @@
 // limber pack: OBJ files of one topology -> a glTF with morph targets.
 #include "cli/command.h"
+#include "import/file_output.h"
 #include "import/pack_obj.h"
 
 #include <filesystem>
@@ -26,7 +27,20 @@ struct PackCommandOptions {
   bake::PackOptions pack;
 };
 
+// A name too many after -o must not turn an artist's shape into a glTF.
+Status CheckOutput(const PackCommandOptions& options) {
+  std::vector<fs::path> inputs(options.shapes.begin(), options.shapes.end());
+  inputs.emplace_back(options.base);
+  LIMBER_RETURN_IF_ERROR(bake::CheckKeepsInputs(options.output, inputs));
+  if (fs::path(options.output).extension() != ".glb") {
+    return Error(StatusCode::kInvalidArgument, "%s: output: the name must end with .glb",
+                 options.output.c_str());
+  }
+  return bake::CheckOutputPlace(options.output);
+}
+
 ExitCode RunPack(const PackCommandOptions& options, const Console& console) {
+  if (Status s = CheckOutput(options); !s.ok()) return console.Fail(s);
   const std::vector<fs::path> shapes(options.shapes.begin(), options.shapes.end());
   if (Status s = bake::PackObj(options.base, shapes, options.pack, options.output); !s.ok()) {
     return console.Fail(s);

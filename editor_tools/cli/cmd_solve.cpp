@@ -5,9 +5,11 @@
 #include "cli/output.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
+#include "import/file_output.h"
 #include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
 
+#include <array>
 #include <chrono>
 #include <memory>
 
@@ -16,6 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
+
+constexpr char kReportName[] = "solve.json";
 
 constexpr char kFooter[] = R"(Writes DIR/frame_0000.obj, frame_0001.obj, ... and DIR/solve.json:
   {"frames":[{"positions":"frame_0000.obj","blend_weights":[[per shape], ... per edge group],
@@ -107,6 +111,11 @@ ExitCode RunSolve(const PoseRunOptions& options, const Console& console) {
   if (!run.ok()) return console.Fail(run.status());
   const Result<bake::SourceFaces> faces = FacesOfRig(*file);
   if (!faces.ok()) return console.Fail(faces.status());
+  if (Status s = bake::CheckKeepsInputs(std::filesystem::path(options.output) / kReportName,
+                                        std::array<std::filesystem::path, 1>{options.targets});
+      !s.ok()) {
+    return console.Fail(s);
+  }
   Result<OutputFolder> output = OutputFolder::Create(options.output);
   if (!output.ok()) return console.Fail(output.status());
   ProgressBar progress(console);
@@ -114,7 +123,7 @@ ExitCode RunSolve(const PoseRunOptions& options, const Console& console) {
   progress.Clear();
   if (!solved.ok()) return console.Fail(solved.status());
   const Json report = {{"frames", solved->frames}};
-  if (Status s = output->Write("solve.json", report.dump(1) + "\n"); !s.ok()) {
+  if (Status s = output->Write(kReportName, report.dump(1) + "\n"); !s.ok()) {
     return console.Fail(s);
   }
   if (Status s = output->Publish(); !s.ok()) return console.Fail(s);
@@ -126,7 +135,7 @@ ExitCode RunSolve(const PoseRunOptions& options, const Console& console) {
   console.Print("  %s/frame_0000.obj ..., %s/solve.json", output->path().c_str(),
                 output->path().c_str());
   console.Emit({{"output", output->path().string()},
-                {"report", (output->path() / "solve.json").string()},
+                {"report", (output->path() / kReportName).string()},
                 {"frames", num_frames},
                 {"solve_ms_mean", mean_ms},
                 {"solve_ms_max", 1e3 * solved->slowest}});

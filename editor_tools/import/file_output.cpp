@@ -23,6 +23,11 @@ uint64_t Padded(uint64_t size) {
   return (size + 3) / 4 * 4;
 }
 
+// For mkstemp. In the same folder, so that renaming never crosses a file system.
+std::string TemporaryName(const std::filesystem::path& path) {
+  return path.string() + ".XXXXXX";
+}
+
 Status IoError(const std::filesystem::path& path, const char* what, int error) {
   return Error(StatusCode::kIoError, "%s: %s: %s", path.string().c_str(), what,
                std::strerror(error));
@@ -68,9 +73,39 @@ Result<std::vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const 
   return bytes;
 }
 
+Status CheckOutputPlace(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored) || !path.has_filename()) {
+    return Error(StatusCode::kIoError, "%s: output: is a folder; name a file", path.c_str());
+  }
+  if (!fs::is_directory(folder, ignored)) {
+    return Error(StatusCode::kIoError, "%s: output: there is no folder %s; make it first",
+                 path.c_str(), folder.c_str());
+  }
+  std::string temporary = TemporaryName(path);
+  const int descriptor = ::mkstemp(temporary.data());
+  if (descriptor < 0) return IoError(path, "output: no file can be made there", errno);
+  ::close(descriptor);
+  ::unlink(temporary.c_str());
+  return {};
+}
+
+Status CheckKeepsInputs(const std::filesystem::path& path,
+                        std::span<const std::filesystem::path> inputs) {
+  for (const std::filesystem::path& input : inputs) {
+    std::error_code ignored;  // a file that is not there is not overwritten
+    if (!std::filesystem::equivalent(path, input, ignored)) continue;
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: output: it would overwrite the input %s; name another file", path.c_str(),
+                 input.c_str());
+  }
+  return {};
+}
+
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
-  // In the same folder, so that renaming never crosses a file system.
-  std::string temporary = path.string() + ".XXXXXX";
+  std::string temporary = TemporaryName(path);
   const int descriptor = ::mkstemp(temporary.data());
   if (descriptor < 0) return IoError(path, "cannot be written", errno);
   Status status = WriteAll(descriptor, bytes);

@@ -238,6 +238,50 @@ TEST_F(BadInput, UnwritableOutput_IsNamed) {
   ExpectRefused({"render", baked, "--targets", frames, "-o", file}, {"file"});
 }
 
+// Two handles on one vertex end a bake in its first second: what is refused even earlier is never
+// found only after minutes of work.
+TEST_F(BadInput, WhatCannotBeWritten_IsRefusedBeforeTheBakeBegins) {
+  const std::string handles =
+      Write("clash.json", R"({"handles":[{"name":"tail","vertex":3},{"name":"knee","vertex":3}]})");
+  const std::string good = MakeBar(4).ToGlb();
+  const std::string textured = Write("textured.glb", WithEditedJson(good, [](Json* gltf) {
+                                       (*gltf)["images"] = {{{"uri", "skin.png"}}};
+                                     }));
+  const auto refuse = [&](const std::string& source, const Words& words) {
+    ExpectRefused({"bake", source, "-o", Path("out.glb"), "--handles", handles}, words);
+  };
+  refuse(textured, {"textured.glb", "skin.png"});
+  Write("skin.png", "this is no picture");
+  refuse(textured, {"textured.glb", "images[0]", "PNG"});
+  refuse(Write("newer.glb",
+               WithEditedJson(good,
+                              [](Json* gltf) {
+                                (*gltf)["extensions"]["LIMBER_mesh_ik"] = {{"version", 99}};
+                              })),
+         {"newer.glb", "version", "99"});
+  refuse(Write("plain.glb", good), {"tail", "knee"});
+}
+
+TEST_F(BadInput, OutputsThatWouldOverwriteAnInput_AreRefused) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string rest = Write("rest.obj", obj), bent = Write("bent.obj", obj);
+  ExpectRefused({"pack", rest, bent, "-o", Path("./bent.obj")}, {"bent.obj", "overwrite"});
+  ExpectRefused({"pack", rest, bent, "-o", rest}, {"rest.obj", "overwrite"});
+  ExpectRefused({"pack", rest, bent, "-o", Path("new.obj")}, {"new.obj", ".glb"});
+  EXPECT_EQ(ReadText(rest), obj);
+  EXPECT_EQ(ReadText(bent), obj);
+
+  const std::string baked = BakeGoodBar();
+  fs::create_directory(Path("out"));
+  const std::string frames = Write("out/solve.json", R"({"frames":[{"targets":{}}]})");
+  ExpectRefused({"solve", baked, "--targets", frames, "-o", Path("out")},
+                {"solve.json", "overwrite"});
+
+  const std::string handles = Write("handles.gltf", R"({"handles":[{"name":"a","vertex":0}]})");
+  ExpectRefused({"bake", Path("bar.glb"), "--handles", handles, "-o", handles},
+                {"handles.gltf", "overwrite"});
+}
+
 TEST_F(BadInput, WithJson_TheErrorIsAnObject) {
   const CommandResult result =
       RunLimber({"bake", Path("nowhere.glb"), "-o", Path("out.glb"), "--json"});

@@ -182,6 +182,27 @@ TEST(WriteBaked, InPlace_ReplacesTheSource) {
   EXPECT_NE(Load(source), nullptr);
 }
 
+// What a bake of minutes must not end with is known before it.
+TEST(CheckBeforeBake, FindsWhatWritingWouldRefuse) {
+  const TemporaryFolder folder;
+  const fs::path source = WritePlainSource(folder.path()), out = folder.path() / "out.glb";
+  const RawCharacter raw = Import(source);
+  ExpectOk(bake::CheckBeforeBake(source, raw, 3, out));
+  ExpectOk(bake::CheckBeforeBake(source, raw, 3, source));
+  const auto code = [&](const RawCharacter& character, size_t num_handles, const fs::path& output) {
+    return bake::CheckBeforeBake(source, character, num_handles, output).code();
+  };
+  EXPECT_EQ(code(raw, 3, folder.path() / "out.obj"), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(raw, 3, folder.path() / "none/out.glb"), StatusCode::kIoError);
+  EXPECT_EQ(code(raw, 3, folder.path() / (std::string(300, 'n') + ".glb")), StatusCode::kIoError);
+  EXPECT_EQ(code(raw, 1025, out), StatusCode::kLimitExceeded);
+  RawCharacter other = raw;
+  other.primitives.push_back(other.primitives[0]);
+  EXPECT_EQ(code(other, 3, out), StatusCode::kInvalidArgument);
+  const auto begin = fs::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin, fs::directory_iterator()), 1) << "only the source";
+}
+
 TEST(WriteBaked, Refusals_LeaveTheOldFileAndNothingBeside) {
   const TemporaryFolder folder;
   const fs::path source = WritePlainSource(folder.path()), out = folder.path() / "out.glb";

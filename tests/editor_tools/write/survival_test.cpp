@@ -129,11 +129,13 @@ TEST(Survival, MissingTexture_IsNamedAndNothingIsWritten) {
   const auto raw = bake::ImportGltf(source);
   ASSERT_TRUE(raw.ok());
   fs::remove(folder.path() / "pixel.png");
-  const Status status =
-      bake::WriteBaked(source, *raw, MakeSyntheticBake(*raw, {}), folder.path() / "out.glb");
-  EXPECT_EQ(status.code(), StatusCode::kNotFound);
+  const fs::path out = folder.path() / "out.glb";
+  const Status before = bake::CheckBeforeBake(source, *raw, 2, out);
+  const Status status = bake::WriteBaked(source, *raw, MakeSyntheticBake(*raw, {}), out);
+  EXPECT_EQ(before.code(), StatusCode::kNotFound);
+  EXPECT_EQ(before.message(), status.message());
   EXPECT_NE(status.message().find("pixel.png"), std::string::npos) << status.message();
-  EXPECT_FALSE(fs::exists(folder.path() / "out.glb"));
+  EXPECT_FALSE(fs::exists(out));
 }
 
 }  // namespace
