@@ -53,6 +53,11 @@ constexpr char kTextured[] = R"("textures":[{"source":0,"sampler":0}],
     "alphaMode":"MASK","alphaCutoff":0.25,"doubleSided":true,
     "extensions":{"KHR_materials_unlit":{}}}])";
 
+// A glTF's JSON with these members, among them the images, and one material that uses the first.
+std::string Textured(const std::string& members) {
+  return "{" + members + "," + kTextured + "}";
+}
+
 void ExpectTextured(const Result<MaterialSet>& set) {
   ASSERT_TRUE(set.ok()) << set.status().message();
   ASSERT_EQ(set->materials.size(), 1u);
@@ -74,18 +79,18 @@ void ExpectTextured(const Result<MaterialSet>& set) {
 
 TEST_F(MaterialsTest, BinaryChunk_IsRead) {
   const std::string png = Png();
-  const std::string json =
-      R"({"buffers":[{"byteLength":)" + std::to_string(png.size() + 8) +
+  const std::string json = Textured(
+      R"("buffers":[{"byteLength":)" + std::to_string(png.size() + 8) +
       R"(}],"bufferViews":[{"buffer":0,"byteOffset":8,"byteLength":)" + std::to_string(png.size()) +
-      R"(}],"images":[{"bufferView":0,"mimeType":"image/png"}],)" + kTextured + "}";
+      R"(}],"images":[{"bufferView":0,"mimeType":"image/png"}])");
   ExpectTextured(ReadMaterials(Write("a.glb", Glb(json, std::string(8, 'x') + png))));
 }
 
 TEST_F(MaterialsTest, FileBesideTheGltf_IsRead) {
   const std::string png = Png();
   Write("my image.png", png);
-  ExpectTextured(ReadMaterials(
-      Write("a.gltf", std::string(R"({"images":[{"uri":"my%20image.png"}],)") + kTextured + "}")));
+  const std::string json = Textured(R"("images":[{"uri":"my%20image.png"}])");
+  ExpectTextured(ReadMaterials(Write("a.gltf", json)));
 }
 
 TEST_F(MaterialsTest, BrokenImages_LeaveAWarningAndNoTexture) {
@@ -102,8 +107,8 @@ TEST_F(MaterialsTest, BrokenImages_LeaveAWarningAndNoTexture) {
                           R"(null)",
                           R"({"uri":7})"};
   for (const char* image : images) {
-    const Result<MaterialSet> set = ReadMaterials(
-        Write("a.gltf", std::string(R"({"images":[)") + image + "]," + kTextured + "}"));
+    const std::string json = Textured(R"("images":[)" + std::string(image) + "]");
+    const Result<MaterialSet> set = ReadMaterials(Write("a.gltf", json));
     ASSERT_TRUE(set.ok()) << image;
     EXPECT_EQ(set->materials.at(0).base_color_texture.image, -1) << image;
     EXPECT_EQ(set->warnings.size(), 1u) << image;
@@ -119,8 +124,8 @@ TEST_F(MaterialsTest, BufferViewsOutOfRange_AreNotFollowed) {
       R"({"buffer":0})",
       "7"};
   for (const char* view : views) {
-    const std::string json = std::string(R"({"buffers":[{"byteLength":8}],"bufferViews":[)") +
-                             view + R"(],"images":[{"bufferView":0}],)" + kTextured + "}";
+    const std::string json = Textured(R"("buffers":[{"byteLength":8}],"bufferViews":[)" +
+                                      std::string(view) + R"(],"images":[{"bufferView":0}])");
     const Result<MaterialSet> set = ReadMaterials(Write("a.glb", Glb(json, "12345678")));
     ASSERT_TRUE(set.ok()) << view;
     EXPECT_EQ(set->warnings.size(), 1u) << view;
