@@ -6,9 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+// NOLINTBEGIN(readability-identifier-naming): stb's own names
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STBI_WRITE_NO_STDIO
 #define STB_IMAGE_WRITE_STATIC
+// NOLINTEND(readability-identifier-naming)
 #include <stb_image_write.h>
 
 namespace limber::content {
@@ -59,8 +61,8 @@ Image Paint(int width, int height, int samples,
     for (int x = 0; x < width; ++x) {
       Colour sum = Colour::Zero(), plain = Colour::Zero();
       for (int i = 0; i < samples * samples; ++i) {
-        Colour sample =
-            colour(x + (i % samples + 0.5) / samples, y + (i / samples + 0.5) / samples);
+        const int column = i % samples, row = i / samples;
+        Colour sample = colour(x + (column + 0.5) / samples, y + (row + 0.5) / samples);
         plain += sample;
         sample.head<3>() *= sample[3];
         sum += sample;

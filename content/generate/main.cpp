@@ -6,6 +6,7 @@
 #include "generate/write_glb.h"
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -43,9 +44,7 @@ bool WriteCharacter(const std::filesystem::path& folder, const Character& charac
   return true;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int Main(int argc, char** argv) {
   if (argc != 2 || argv[1][0] == '-') {
     std::fprintf(stderr,
                  "usage: limber_make_content DIR\n"
@@ -61,4 +60,15 @@ int main(int argc, char** argv) {
       WriteCharacter(folder, fox, limber::content::MakeFoxDrag(fox)) &&
       WriteCharacter(folder, square, limber::content::MakeSquareDrag(square));
   return good ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "limber_make_content: %s\n", error.what());
+    return 1;
+  }
 }

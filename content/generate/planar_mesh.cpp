@@ -71,8 +71,11 @@ std::vector<Vector2d> Resample(std::vector<Vector2d> line, double spacing) {
 std::vector<Vector2d> OutlinePoints(const PlaneField& field, const Vector2d& low,
                                     const Vector2d& high, double spacing) {
   std::vector<Vector2d> walked, points;
-  for (double y = low.y(); y < high.y(); y += spacing) {
-    for (double x = low.x(); x < high.x(); x += spacing) {
+  const auto columns = static_cast<int>(std::ceil((high.x() - low.x()) / spacing));
+  const auto rows = static_cast<int>(std::ceil((high.y() - low.y()) / spacing));
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const double x = low.x() + column * spacing, y = low.y() + row * spacing;
       if ((field({x, y}) < 0) == (field({x + spacing, y}) < 0)) continue;
       const Vector2d start = Project(field, {x + spacing / 2, y});
       const bool known = std::any_of(walked.begin(), walked.end(), [&](const Vector2d& p) {
