@@ -32,7 +32,7 @@ WeightsProblem MakeProblem(const bake::RawCharacter& raw) {
 // Bounded biharmonic weights on one thread.
 void Weights(benchmark::State& state) {
   const WeightsProblem problem = MakeProblem(MakeRawCharacter({4000, 6, 1}));
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     bake::WeightsReport report;
     const auto weights =
         bake::BoundedBiharmonicWeights(problem.mesh, problem.handle_vertices, 1, {}, &report);
@@ -61,7 +61,7 @@ void WeightsUnbounded(benchmark::State& state) {
   Eigen::MatrixXd ones = Eigen::MatrixXd::Zero(num_vertices, num_handles);
   for (Eigen::Index h = 0; h < num_handles; ++h)
     ones(problem.handle_vertices[h], h) = 1;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const Matrix laplacian = geometry::CotangentLaplacian(problem.mesh);
     const Eigen::VectorXd areas = geometry::VertexAreas(problem.mesh);
     const Matrix scaled = areas.cwiseInverse().asDiagonal() * laplacian;
@@ -80,7 +80,7 @@ void WeightsUnbounded(benchmark::State& state) {
 // From the imported mesh to the tables in memory, on all cores.
 void WholeBake(benchmark::State& state) {
   const bake::RawCharacter raw = MakeRawCharacter({4000, 6, 4});
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const auto baked = bake::Bake(raw, raw.marked_handles, {}, {});
     ExitUnless(baked.status());
     benchmark::DoNotOptimize(baked->tables.mode_edges.data());

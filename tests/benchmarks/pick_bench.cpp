@@ -34,7 +34,7 @@ void Refit(benchmark::State& state) {
   auto picker = Picker::Create(rig->mesh(), surfaces[0]);
   ExitUnless(picker.status());
   size_t frame = 0;
-  for (auto _ : state)
+  while (state.KeepRunning())
     ExitUnless(picker->Update(surfaces[frame++ % surfaces.size()]));
   state.counters["triangles"] = rig->mesh().num_triangles();
 }
@@ -57,7 +57,7 @@ void Ray(benchmark::State& state) {
   }
   size_t i = 0;
   int64_t hits = 0;
-  for (auto _ : state)
+  while (state.KeepRunning())
     hits += picker->PickSurface(rays[i++ % rays.size()]).has_value() ? 1 : 0;
   state.counters["hits"] = static_cast<double>(hits) / static_cast<double>(state.iterations());
 }

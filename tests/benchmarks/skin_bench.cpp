@@ -64,7 +64,7 @@ void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, std::ve
 void SkinScalar(benchmark::State& state) {
   const PosedCharacter character;
   std::vector<Vec3> positions(character.mesh().num_solve_vertices);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     SkinPlainly(character.mesh(), character.transforms(), &positions);
     benchmark::DoNotOptimize(positions.data());
   }
@@ -76,7 +76,7 @@ void SkinCpu(benchmark::State& state) {
   const PosedCharacter character;
   const SkinLayout layout(character.mesh());
   std::vector<Vec3> positions(character.mesh().num_solve_vertices);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     ExitUnless(SkinPositions(layout, character.transforms(), positions));
     benchmark::DoNotOptimize(positions.data());
   }
@@ -98,7 +98,7 @@ void SkinCpuFrames(benchmark::State& state) {
   const PosedCharacter character;
   auto skinner = CpuSkinner::Create(character.mesh(), character.rig().tables().space);
   ExitUnless(skinner.status());
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     ExitUnless(skinner->Skin(character.transforms()));
     benchmark::DoNotOptimize(skinner->result().normals.data());
   }
@@ -112,7 +112,7 @@ void SkinCopy(benchmark::State& state) {
   const size_t weight_bytes = mesh.weights.size() * sizeof(float);
   const size_t shape_bytes = mesh.shape_positions.size() * sizeof(Vec3);
   std::vector<char> copy(weight_bytes + shape_bytes);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     std::memcpy(copy.data(), mesh.weights.data(), weight_bytes);
     std::memcpy(copy.data() + weight_bytes, mesh.shape_positions.data(), shape_bytes);
     benchmark::ClobberMemory();

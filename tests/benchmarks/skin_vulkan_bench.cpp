@@ -30,7 +30,7 @@ void SkinVulkan(benchmark::State& state) {
     ExitUnless(recorded);
   };
   skin();  // drivers compile shaders at the first use
-  for (auto _ : state)
+  while (state.KeepRunning())
     skin();
   state.SetItemsProcessed(state.iterations() * rig->mesh().num_solve_vertices);
   state.counters["vertices"] = rig->mesh().num_solve_vertices;

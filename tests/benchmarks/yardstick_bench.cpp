@@ -71,7 +71,7 @@ Kernel WidestKernel() {
 void FusedMultiplyAdd(benchmark::State& state) {
   const Kernel kernel = WidestKernel();
   float result = 0;
-  for (auto _ : state)
+  while (state.KeepRunning())
     benchmark::DoNotOptimize(result = kernel.run());
   // A chain that settles: 2 each after twenty-five steps, so the work was done and not left out.
   if (std::abs(result - 2.0f * kChains) > 1e-3f) state.SkipWithError("wrong sum");
@@ -82,7 +82,7 @@ void FusedMultiplyAdd(benchmark::State& state) {
 // Bytes are counted once: each is read once and written once.
 void Copy(benchmark::State& state, size_t bytes) {
   std::vector<char> from(bytes, 1), to(bytes, 2);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     std::memcpy(to.data(), from.data(), bytes);
     benchmark::ClobberMemory();
   }
