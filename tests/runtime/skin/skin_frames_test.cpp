@@ -49,8 +49,10 @@ test::SkinPose UniformPose(const test::SkinFixture& fixture, const test::Affine&
 
 Matrix3d Linear(const test::Affine& map) {
   Matrix3d linear;
-  for (int i = 0; i < 9; ++i)
-    linear(i / 3, i % 3) = map[static_cast<size_t>(i / 3 * 4 + i % 3)];
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = 0; column < 3; ++column)
+      linear(row, column) = map[static_cast<size_t>(4 * row + column)];
+  }
   return linear;
 }
 
