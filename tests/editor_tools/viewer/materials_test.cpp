@@ -13,7 +13,7 @@ namespace {
 class MaterialsTest : public testing::Test {
  protected:
   std::filesystem::path Write(const std::string& name, const std::string& content) {
-    const std::filesystem::path path = folder_.path() / name;
+    std::filesystem::path path = folder_.path() / name;
     std::ofstream(path, std::ios::binary) << content;
     return path;
   }

@@ -10,11 +10,14 @@
 #ifdef __SANITIZE_ADDRESS__
 // Read by the leak checker: the validation layer leaves some of its own objects behind. Nothing of
 // Limber's is silenced: its allocations do not come from within that library.
-extern "C" const char* __lsan_default_suppressions();  // NOLINT
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the checker's own name
+extern "C" const char* __lsan_default_suppressions();
 
-extern "C" const char* __lsan_default_suppressions() {  // NOLINT
+extern "C" const char* __lsan_default_suppressions() {
   return "leak:libVkLayer_khronos_validation";
 }
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 #endif
 
 namespace limber::test {
