@@ -25,17 +25,16 @@ TEST(ChooseAction, EveryButtonHasItsMeaning) {
 }
 
 TEST(ChooseAction, PlanarCharacter_IsNeverOrbited) {
+  using enum PointerTarget;
   for (const auto button : {PointerButton::kLeft, PointerButton::kMiddle, PointerButton::kRight}) {
-    for (const bool alt : {false, true}) {
-      for (const bool shift : {false, true}) {
-        for (const auto target :
-             {PointerTarget::kBackground, PointerTarget::kSkin, PointerTarget::kHandle}) {
-          EXPECT_NE(ChooseAction({button, alt, shift, target}, true), PointerAction::kOrbit);
-        }
+    for (const auto target : {kBackground, kSkin, kHandle}) {
+      for (int keys = 0; keys < 4; ++keys) {
+        const bool alt = (keys & 1) != 0, shift = (keys & 2) != 0;
+        EXPECT_NE(ChooseAction({button, alt, shift, target}, true), PointerAction::kOrbit);
       }
     }
   }
-  EXPECT_EQ(ChooseAction({.target = PointerTarget::kHandle}, true), PointerAction::kMoveHandle);
+  EXPECT_EQ(ChooseAction({.target = kHandle}, true), PointerAction::kMoveHandle);
 }
 
 double Length(Vec3 v) {
@@ -47,7 +46,8 @@ TEST(StickMotion, DeadZoneThenContinuousGrowth) {
   EXPECT_EQ(StickMotion(0.1f, -0.1f, axes, 2, 0.016), Vec3{});
   double last = 0;
   for (int i = 0; i <= 100; ++i) {
-    const double way = Length(StickMotion(i / 100.0f, 0, axes, 2, 0.016));
+    const float push = static_cast<float>(i) / 100;
+    const double way = Length(StickMotion(push, 0, axes, 2, 0.016));
     EXPECT_GE(way, last);
     EXPECT_LT(way - last, 0.001) << "a leap at " << i;
     last = way;
