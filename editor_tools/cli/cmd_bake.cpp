@@ -8,6 +8,8 @@
 #include "import/file_output.h"
 #include "import/import_gltf.h"
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <chrono>
 #include <filesystem>

@@ -5,6 +5,8 @@
 #include "load/rig_loader.h"
 #include "rig/rig_fields.h"
 
+#include <nlohmann/json.hpp>
+
 #include <memory>
 
 namespace limber::cli {

@@ -3,6 +3,8 @@
 #include "import/file_output.h"
 #include "import/pack_obj.h"
 
+#include <nlohmann/json.hpp>
+
 #include <filesystem>
 #include <memory>
 

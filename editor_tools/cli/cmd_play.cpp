@@ -3,6 +3,8 @@
 #include "cli/picture_size.h"
 #include "viewer/play_window.h"
 
+#include <nlohmann/json.hpp>
+
 #include <memory>
 
 namespace limber::cli {

@@ -7,6 +7,8 @@
 #include "viewer/headless.h"
 #include "viewer/image.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <memory>

@@ -9,6 +9,8 @@
 #include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <chrono>
 #include <memory>

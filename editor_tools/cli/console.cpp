@@ -2,6 +2,8 @@
 
 #include "cli/interrupt.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cstdarg>
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include "cli/exit_code.h"
 #include "core/status.h"
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
