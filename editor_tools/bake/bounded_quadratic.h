@@ -5,7 +5,6 @@
 #include <Eigen/SparseCore>
 
 #include <functional>
-#include <utility>
 
 namespace limber::bake {
 
@@ -24,7 +23,7 @@ struct BoundedQuadraticReport {
 // pattern being analysed once. Const methods may be called from many threads at once.
 class BoundedQuadratic {
  public:
-  explicit BoundedQuadratic(Eigen::SparseMatrix<double> Q) : Q_(std::move(Q)) {}
+  explicit BoundedQuadratic(const Eigen::SparseMatrix<double>& Q) : Q_(Q) {}
 
   // Solves for one c. `keep_going` is asked before each iteration; false stops with
   // converged == false. `x` holds the last iterate in any case, inside the bounds.

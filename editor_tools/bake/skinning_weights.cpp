@@ -129,6 +129,7 @@ class HandleSolver {
     const int num_workers = std::min(num_threads, static_cast<int>(c_.cols()));
     active_ = num_workers;
     std::vector<std::thread> workers;
+    workers.reserve(static_cast<size_t>(std::max(num_workers, 0)));
     for (int i = 0; i < num_workers; ++i)
       workers.emplace_back([this] { Work(); });
     Wait(progress);
@@ -244,7 +245,8 @@ void FillEmptyRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
     for (const geometry::Bridge& bridge : mesh.bridges)
       spread_both(bridge.a, bridge.b);
     for (size_t v = 0; v < filled.size(); ++v) {
-      if (reached[v] && !filled[v]) weights->row(static_cast<Eigen::Index>(v)) = sums.row(v);
+      const auto row = static_cast<Eigen::Index>(v);
+      if (reached[v] && !filled[v]) weights->row(row) = sums.row(row);
     }
     filled = reached;
   }
@@ -273,9 +275,9 @@ Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
   if (num_threads <= 0) {
     num_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   }
-  Split split = SplitProblem(mesh, handle_vertices);
+  const Split split = SplitProblem(mesh, handle_vertices);
   if (progress && !progress("weights", 0)) return Error(StatusCode::kInvalidArgument, "cancelled");
-  const BoundedQuadratic problem(std::move(split.Q));
+  const BoundedQuadratic problem(split.Q);
   HandleSolver solver(problem, split.c);
   LIMBER_RETURN_IF_ERROR(solver.Run(num_threads, progress));
 

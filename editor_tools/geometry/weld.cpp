@@ -92,28 +92,36 @@ int64_t CellIndex(double x, double cell_size) {
   return std::isnan(index) ? 0 : static_cast<int64_t>(std::clamp(index, -kLimit, kLimit));
 }
 
+using Grid = std::unordered_map<Cell, std::vector<int>, CellHash>;
+
+// Calls visit(vertex) for every vertex in the cell and in the 26 around it.
+template <class Visitor>
+void VisitNear(const Grid& grid, const Cell& cell, Visitor&& visit) {
+  for (int64_t neighbour = 0; neighbour < 27; ++neighbour) {
+    const auto found = grid.find(
+        {cell.x + neighbour % 3 - 1, cell.y + neighbour / 3 % 3 - 1, cell.z + neighbour / 9 - 1});
+    if (found == grid.end()) continue;
+    for (const int vertex : found->second)
+      visit(vertex);
+  }
+}
+
 // Unites all pairs within the tolerance; a grid over the mix of shapes offers the candidates.
 void UniteCoincident(std::span<const PointMatrix> shapes, const std::vector<int>& candidates,
                      double tolerance, UnionFind* sets) {
   const PointMatrix mix = MixShapes(shapes);
   // A hair larger than the tolerance: the mix is rounded.
   const double cell_size = tolerance * (1 + 1e-9);
-  std::unordered_map<Cell, std::vector<int>, CellHash> grid;
+  Grid grid;
   grid.reserve(candidates.size());
   for (const int v : candidates) {
     const Cell cell{CellIndex(mix(v, 0), cell_size), CellIndex(mix(v, 1), cell_size),
                     CellIndex(mix(v, 2), cell_size)};
-    for (int64_t neighbour = 0; neighbour < 27; ++neighbour) {
-      const Cell near{cell.x + neighbour % 3 - 1, cell.y + neighbour / 3 % 3 - 1,
-                      cell.z + neighbour / 9 - 1};
-      const auto found = grid.find(near);
-      if (found == grid.end()) continue;
-      for (const int other : found->second) {
-        if (sets->Find(other) != sets->Find(v) && Coincide(shapes, other, v, tolerance)) {
-          sets->Unite(other, v);
-        }
+    VisitNear(grid, cell, [&](int other) {
+      if (sets->Find(other) != sets->Find(v) && Coincide(shapes, other, v, tolerance)) {
+        sets->Unite(other, v);
       }
-    }
+    });
     grid[cell].push_back(v);
   }
 }

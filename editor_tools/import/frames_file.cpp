@@ -7,6 +7,10 @@
 namespace limber::bake {
 namespace {
 
+std::string TargetPlace(const std::string& frame, const std::string& handle) {
+  return frame + ".targets: \"" + handle + "\"";
+}
+
 using Json = nlohmann::ordered_json;
 
 Result<FrameTargets> ReadFrame(const Json& frame, const std::string& place) {
@@ -19,7 +23,7 @@ Result<FrameTargets> ReadFrame(const Json& frame, const std::string& place) {
                   place + ".targets: an object of handle names and positions is needed");
   }
   for (const auto& [name, value] : targets->items()) {
-    Result<Vec3> point = ReadPoint(value, place + ".targets: \"" + name + "\"");
+    Result<Vec3> point = ReadPoint(value, TargetPlace(place, name));
     if (!point.ok()) return point.status();
     result.emplace_back(name, *point);
   }

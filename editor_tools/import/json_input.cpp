@@ -44,8 +44,8 @@ Status CheckMembers(const Json& object, const std::string& place,
   }
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      return Status(StatusCode::kMalformed,
-                    place + ": \"" + key + "\" is not known here; known are " + list);
+      return Error(StatusCode::kMalformed, "%s: \"%s\" is not known here; known are %s",
+                   place.c_str(), key.c_str(), list.c_str());
     }
   }
   return {};

@@ -26,6 +26,7 @@ template <size_t N>
 std::vector<int32_t> FirstOfValue(const std::vector<std::array<float, N>>& items) {
   std::map<std::array<float, N>, int32_t> first;
   std::vector<int32_t> result;
+  result.reserve(items.size());
   for (const auto& item : items) {
     result.push_back(first.emplace(item, static_cast<int32_t>(result.size())).first->second);
   }
@@ -167,11 +168,12 @@ std::vector<float> BaseNormals(const ObjMesh& base, const DrawVertices& draw,
                                const std::vector<float>& positions,
                                const std::vector<uint32_t>& triangles) {
   std::vector<Vec3> points, normals;
-  std::vector<uint32_t>
-      shared;  // smooth across texture seams: by the first draw vertex of a position
+  // Smooth across texture seams: by the first draw vertex of a position.
+  std::vector<uint32_t> shared;
   for (uint32_t v = 0; v < draw.vertices.size(); ++v) {
     const ObjCorner& vertex = draw.vertices[v];
-    points.push_back({positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]});
+    const float* p = positions.data() + 3 * size_t{v};
+    points.push_back({p[0], p[1], p[2]});
     const bool repeats = v > 0 && draw.vertices[v - 1].position == vertex.position;
     shared.push_back(repeats ? shared.back() : v);
     Vec3 normal;

@@ -23,7 +23,7 @@ RawCharacter SplitSquare() {
     twice << shape, shape;
     shape = twice;
   }
-  raw.source_vertex.resize(2 * count);
+  raw.source_vertex.resize(2 * size_t{count});
   for (uint32_t d = 0; d < 2 * count; ++d)
     raw.source_vertex[d] = count - 1 - d % count;
   raw.num_source_vertices = count + 1;
