@@ -26,8 +26,9 @@ struct Kernel {
 
 // A macro and no template, because what a function may use of the processor belongs to its
 // declaration. `multiply_add(x, y, z)` is x y + z; the last argument goes before the declaration.
-#define LIMBER_YARDSTICK_KERNEL(name, Vector, multiply_add, target) \
+#define LIMBER_YARDSTICK_KERNEL(name, vector, multiply_add, target) \
   target float name() {                                             \
+    using Vector = vector;                                          \
     const Vector half = Vector{} + 0.5f, one = Vector{} + 1.0f;     \
     Vector x[kChains];                                              \
     for (int c = 0; c < kChains; ++c)                               \
