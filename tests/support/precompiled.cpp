@@ -1,0 +1,1 @@
+// Gives limber_test_headers something to compile; the headers are named in tests/CMakeLists.txt.
