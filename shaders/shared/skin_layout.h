@@ -27,8 +27,10 @@
 #define LIMBER_SKIN_CONSTANT_SHAPES 1
 #define LIMBER_SKIN_CONSTANT_ROWS 2
 
-// Squared lengths below this are no direction. Edges are divided by the character's size first.
+// Squared lengths below and above these are no direction. Edges are divided by the character's size
+// first. The same bounds as in skin/skin_frames.cpp.
 #define LIMBER_SKIN_TINY 1e-30
+#define LIMBER_SKIN_HUGE 1e30
 
 #ifdef __cplusplus
 #include <cstdint>

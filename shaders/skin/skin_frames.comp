@@ -42,7 +42,11 @@ layout(push_constant) uniform Push {
   uint num_draw_vertices;
 };
 
-bool IsDirection(vec3 v) { return dot(v, v) > LIMBER_SKIN_TINY; }
+// Bounds are written so that NaN passes none of them.
+bool IsDirection(vec3 v) {
+  const float squared = dot(v, v);
+  return squared > LIMBER_SKIN_TINY && squared < LIMBER_SKIN_HUGE;
+}
 
 vec3 AnyPerpendicular(vec3 unit) {
   const vec3 axis = abs(unit.x) < 0.57 ? vec3(1, 0, 0)
@@ -50,38 +54,66 @@ vec3 AnyPerpendicular(vec3 unit) {
   return normalize(cross(unit, axis));
 }
 
+// The direction of v as far as it is orthogonal to a unit vector; any orthogonal one where nothing
+// is left of it.
+vec3 OrthogonalDirection(vec3 v, vec3 unit) {
+  const vec3 rest = v - dot(unit, v) * unit;
+  if (!IsDirection(rest)) return AnyPerpendicular(unit);
+  const vec3 direction = normalize(rest);
+  if (dot(rest, rest) > 0.01 * dot(v, v)) return direction;
+  // Little is left, and rounding has put some of `unit` back into it: once more, which is enough
+  // unless it was rounding altogether.
+  const vec3 again = direction - dot(unit, direction) * unit;
+  return dot(again, again) > 0.25 ? normalize(again) : AnyPerpendicular(unit);
+}
+
+// What the triangles of a normal group say about the surface at `centre`.
+struct Sums {
+  vec3 n, first, second;
+};
+
+Sums SumCorners(uint group, vec3 centre) {
+  Sums sums = Sums(vec3(0), vec3(0), vec3(0));
+  const uint end = group_corners[group + 1];
+  for (uint c = group_corners[group]; c < end; ++c) {
+    const Corner corner = corners[c];
+    const vec3 e1 = (positions[corner.others.x].xyz - centre) * inverse_scale;
+    const vec3 e2 = (positions[corner.others.y].xyz - centre) * inverse_scale;
+    sums.n += cross(e1, e2);
+    sums.first += corner.first.x * e1 + corner.first.y * e2;
+    sums.second += corner.second.x * e1 + corner.second.y * e2;
+  }
+  // Differences and sums of finite numbers may have left the range: nothing of it is used then.
+  const float squares = dot(sums.n, sums.n) + dot(sums.first, sums.first) +
+                        dot(sums.second, sums.second);
+  if (squares < LIMBER_SKIN_HUGE) return sums;
+  return Sums(vec3(0), vec3(0), vec3(0));
+}
+
+// `authored` is in the frame with normal n that is nearest to the pushed directions: the
+// two-dimensional polar decomposition.
+vec3 CarryNormal(vec3 authored, vec3 n, vec3 first, vec3 second) {
+  const vec3 t = OrthogonalDirection(first, n);
+  const vec3 b = cross(n, t);
+  vec2 turn = vec2(dot(first, t) + dot(second, b), dot(first, b) - dot(second, t));
+  turn = dot(turn, turn) > LIMBER_SKIN_TINY ? normalize(turn) : vec2(1, 0);
+  return normalize(authored.x * (turn.x * t + turn.y * b) +
+                   authored.y * (turn.x * b - turn.y * t) + authored.z * n);
+}
+
 void main() {
   const uint d = gl_GlobalInvocationID.x;
   if (d >= num_draw_vertices) return;
   const DrawVertex vertex = draw_vertices[d];
   const vec3 centre = positions[vertex.solve_vertex].xyz;
-
-  vec3 n = vec3(0), f1 = vec3(0), f2 = vec3(0);
-  const uint end = group_corners[vertex.normal_group + 1];
-  for (uint c = group_corners[vertex.normal_group]; c < end; ++c) {
-    const Corner corner = corners[c];
-    const vec3 e1 = (positions[corner.others.x].xyz - centre) * inverse_scale;
-    const vec3 e2 = (positions[corner.others.y].xyz - centre) * inverse_scale;
-    n += cross(e1, e2);
-    f1 += corner.first.x * e1 + corner.first.y * e2;
-    f2 += corner.second.x * e1 + corner.second.y * e2;
-  }
+  const Sums sums = SumCorners(vertex.normal_group, centre);
 
   vec3 normal = vertex.normal;   // where no triangle has area: as authored
-  if (IsDirection(n)) {
-    n = normalize(n);
-    vec3 t = f1 - n * dot(n, f1);
-    t = IsDirection(t) ? normalize(t) : AnyPerpendicular(n);
-    vec3 b = cross(n, t);
-    vec2 turn = vec2(dot(f1, t) + dot(f2, b), dot(f1, b) - dot(f2, t));
-    turn = dot(turn, turn) > LIMBER_SKIN_TINY ? normalize(turn) : vec2(1, 0);
-    const vec3 t1 = turn.x * t + turn.y * b;
-    const vec3 b1 = turn.x * b - turn.y * t;
-    normal = normalize(t1 * vertex.normal.x + b1 * vertex.normal.y + n * vertex.normal.z);
+  if (IsDirection(sums.n)) {
+    normal = CarryNormal(vertex.normal, normalize(sums.n), sums.first, sums.second);
   }
-  vec3 tangent = f1 * vertex.tangent.x + f2 * vertex.tangent.y;
-  tangent -= normal * dot(normal, tangent);
-  tangent = IsDirection(tangent) ? normalize(tangent) : AnyPerpendicular(normal);
+  const vec3 tangent = OrthogonalDirection(
+      sums.first * vertex.tangent.x + sums.second * vertex.tangent.y, normal);
 
   const vec3 position = centre + origin;
   const uint base = d * LIMBER_SKIN_VERTEX_FLOATS;

@@ -6,8 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <limits>
 
 namespace limber {
 namespace {
@@ -195,6 +198,91 @@ TEST_F(VulkanSkinnerTest, ZeroAreaAndCollapse_GiveNoNan) {
   for (const SkinnedVertex& v : Skin(skinner.get(), instance->get(), 0, pose.view())) {
     EXPECT_NEAR(std::hypot(v.normal[0], v.normal[1], v.normal[2]), 1, 1e-5);
     EXPECT_NEAR(std::hypot(v.tangent[0], v.tangent[1], v.tangent[2]), 1, 1e-5);
+  }
+}
+
+// A pose of two shapes: the first makes the frames at rest, the second is where the vertices are
+// put, to the bit: rig space is mesh space, and the matrices are the identity.
+test::SkinFixture WithASecondShape(test::SkinFixture fixture) {
+  fixture.space = {};
+  SkinMesh& mesh = fixture.mesh;
+  mesh.num_shapes = 2;
+  mesh.shape_positions.resize(size_t{2} * mesh.num_solve_vertices);
+  std::copy_n(mesh.shape_positions.begin(), mesh.num_solve_vertices,
+              mesh.shape_positions.begin() + mesh.num_solve_vertices);
+  return fixture;
+}
+
+double Dot(const float* a, const float* b) {
+  return double{a[0]} * b[0] + double{a[1]} * b[1] + double{a[2]} * b[2];
+}
+
+TEST_F(VulkanSkinnerTest, CharactersOfAnySize_HaveTheFramesOfTheCpu) {
+  const test::SkinFixture sphere = WithASecondShape(test::MakeSeamSphereFixture(12, 7));
+  const uint32_t count = sphere.mesh.num_solve_vertices;
+  // Round, flat and long, each from nearly nothing to beyond what can be squared. Frames are no
+  // longer made of the largest ones: both must draw that line at the same size.
+  constexpr std::array<float, 3> kForms[] = {{1, 1, 1}, {1, 1e-3f, 1}, {1, 1, 300}};
+  constexpr float kSizes[] = {1e-12f, 1e-6f, 1, 1e4f, 1e6f, 1e7f, 3e7f, 1e8f, 1e12f, 1e19f, 1e30f};
+  for (const std::array<float, 3>& form : kForms) {
+    for (const float size : kSizes) {
+      test::SkinFixture fixture = sphere;
+      for (uint32_t v = 0; v < count; ++v) {
+        Vec3& p = fixture.mesh.shape_positions[count + v];
+        for (int axis = 0; axis < 3; ++axis)
+          p[axis] *= size * form[static_cast<size_t>(axis)];
+      }
+      auto skinner = Make(fixture);
+      ASSERT_NE(skinner, nullptr);
+      auto instance = skinner->CreateInstance();
+      ASSERT_TRUE(instance.ok());
+      const test::SkinPose pose = test::RestPose(fixture, 1);
+      const auto gpu = Skin(skinner.get(), instance->get(), 0, pose.view());
+      Result<CpuSkinner> cpu = CpuSkinner::Create(fixture.mesh, fixture.space);
+      ASSERT_TRUE(cpu.ok());
+      ASSERT_TRUE(cpu->Skin(pose.view()).ok());
+      for (size_t d = 0; d < gpu.size(); ++d) {
+        for (int axis = 0; axis < 3; ++axis) {
+          ASSERT_NEAR(gpu[d].normal[axis], cpu->result().normals[d][axis], 1e-4)
+              << size << ' ' << d;
+          ASSERT_NEAR(gpu[d].tangent[axis], cpu->result().tangents[d].direction[axis], 2e-4)
+              << size << ' ' << d;
+        }
+      }
+    }
+  }
+}
+
+// Every mixture of coordinates that a float can hold, from the same sequence on every machine.
+float Extreme(uint32_t* state) {
+  static constexpr float kLargest = std::numeric_limits<float>::max();
+  static constexpr float kSmallest = std::numeric_limits<float>::min();
+  static constexpr float kValues[] = {0,     1,   0.5f,  1e-20f, 1e20f,    3e9f,
+                                      1e-8f, 1e5, 1e15f, 30.0f,  kLargest, kSmallest};
+  *state = *state * 1664525u + 1013904223u;
+  const float value = kValues[(*state >> 8) % std::size(kValues)];
+  return (*state >> 24) % 2 == 0 ? value : -value;
+}
+
+TEST_F(VulkanSkinnerTest, CoordinatesOfAnySize_GiveFiniteUnitFrames) {
+  const test::SkinFixture sphere = WithASecondShape(test::MakeSeamSphereFixture(12, 7));
+  uint32_t state = 1;
+  for (int round = 0; round < 40; ++round) {
+    test::SkinFixture fixture = sphere;
+    for (uint32_t v = 0; v < fixture.mesh.num_solve_vertices; ++v) {
+      fixture.mesh.shape_positions[fixture.mesh.num_solve_vertices + v] = {
+          Extreme(&state), Extreme(&state), Extreme(&state)};
+    }
+    auto skinner = Make(fixture);
+    ASSERT_NE(skinner, nullptr);
+    auto instance = skinner->CreateInstance();
+    ASSERT_TRUE(instance.ok());
+    for (const SkinnedVertex& v :
+         Skin(skinner.get(), instance->get(), 0, test::RestPose(fixture, 1).view())) {
+      ASSERT_NEAR(Dot(v.normal, v.normal), 1, 1e-5) << round;
+      ASSERT_NEAR(Dot(v.tangent, v.tangent), 1, 1e-5) << round;
+      ASSERT_NEAR(Dot(v.normal, v.tangent), 0, 1e-5) << round;
+    }
   }
 }
 
