@@ -22,7 +22,7 @@ layout(push_constant) uniform Draw {
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
-layout(location = 3) in vec2 texcoord;
+layout(location = 3) centroid in vec2 texcoord;
 
 layout(location = 0) out vec4 color;
 

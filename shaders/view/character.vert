@@ -10,7 +10,9 @@ layout(location = 3) in vec2 texcoord;
 layout(location = 0) out vec3 out_position;
 layout(location = 1) out vec3 out_normal;
 layout(location = 2) out vec4 out_tangent;
-layout(location = 3) out vec2 out_texcoord;
+// Where a pixel's centre lies off the triangle, what is interpolated there would be beyond the
+// picture's edge, and wrap around.
+layout(location = 3) centroid out vec2 out_texcoord;
 
 void main() {
   out_position = position;
