@@ -132,8 +132,8 @@ void PaintEyes(Image* picture) {
   }
 }
 
-// Where a limb's surface lies towards `side` of its spine. Handles of limbs are a little back from
-// the tip: a pull then moves all of the tip, not a spike of it.
+// Where a limb's surface lies towards `side` of its spine. Handles of arms and ears are a little
+// back from the tip: a pull then moves all of the tip, not a spike of it.
 Vector3d OnLimb(const Limb& limb, double u, const Vector3d& side) {
   const Vector3d tangent = limb.spine.Frame(u).col(2);
   const Vector3d across = (side - tangent * tangent.dot(side)).normalized();
@@ -142,9 +142,13 @@ Vector3d OnLimb(const Limb& limb, double u, const Vector3d& side) {
 
 void AddHandles(const DragonletModel& model, Character* dragonlet) {
   const Vector3d up = Vector3d::UnitY(), ahead = Vector3d::UnitZ();
-  const Vector3d tail_tip = OnLimb(model.tail(), 0.88, up),
-                 tail_middle = OnLimb(model.tail(), 0.55, up),
-                 hand = OnLimb(model.arm(), 0.88, ahead), ear = OnLimb(model.ear(), 0.87, ahead);
+  const Vector3d hand = OnLimb(model.arm(), 0.88, ahead), ear = OnLimb(model.ear(), 0.87, ahead);
+  // The tail swings far and fast. Its flame is held at both ends, else it would turn after the tail
+  // over many frames, and hang folded until then; and at its root from below, else nothing would
+  // say how the tail rolls.
+  const Vector3d tail_tip = OnLimb(model.tail(), 1, up),
+                 tail_flame = OnLimb(model.tail(), 0.76, -up),
+                 tail_middle = OnLimb(model.tail(), 0.45, up);
   const auto handle = [&](const char* name, const Vector3d& p, bool pinned) {
     dragonlet->handles.push_back({name, NearestVertex(*dragonlet, p), pinned});
   };
@@ -159,6 +163,7 @@ void AddHandles(const DragonletModel& model, Character* dragonlet) {
   handle("ear_left", ear, true);
   handle("ear_right", Mirrored(ear), true);
   handle("tail_middle", tail_middle, true);
+  handle("tail_flame", tail_flame, true);
   handle("tail_tip", tail_tip, true);
 }
 
@@ -194,18 +199,19 @@ std::string MakeDragonletDrag(const Character& dragonlet) {
     const auto poser = std::make_shared<DragonletPoser>(model, mix);
     return [poser](const Vector3d& p) { return poser->Body(p); };
   };
-  // Gestures with the tail on one side follow each other: from side to side is a long way for it.
+  // Gestures with the tail on one side follow each other: from side to side is a long way for it,
+  // and takes its time.
   return WriteDrag(dragonlet, posing,
                    {{{{"squash", 0.85}}, 8},
-                    {{{"stretch", 0.95}}, 10},
-                    {{{"curl", 1}}, 15},
-                    {{}, 9},
-                    {{{"wave", 1}}, 13},
-                    {{{"wave", 0.75}}, 4},
+                    {{{"stretch", 0.95}}, 9},
+                    {{{"curl", 1}}, 13},
+                    {{}, 12},
+                    {{{"wave", 1}}, 17},
+                    {{{"wave", 0.8}}, 4},
                     {{{"wave", 1}}, 4},
-                    {{{"lean_left", 0.95}}, 10},
-                    {{{"lean_right", 0.95}}, 17},
-                    {{{"puff", 0.95}}, 11},
+                    {{{"lean_left", 0.95}}, 11},
+                    {{{"lean_right", 0.95}}, 20},
+                    {{{"puff", 0.95}}, 10},
                     {{{"startled", 0.95}}, 9},
                     {{}, 10}});
 }

@@ -130,7 +130,7 @@ void Lean(double side, DragonletPose* pose) {
   pose->Ears(side > 0 ? ear_down : ear_up, side > 0 ? ear_up : ear_down);
   pose->Tail(
       {1.1, 1.0,
-       Both(Arc(kY, side > 0 ? 1.2 : -2.1, 0.1, 0.7), Arc(kZ, side > 0 ? -0.4 : 0.4, 0.5, 1.0))});
+       Both(Arc(kY, side > 0 ? 0.8 : -1.4, 0.1, 0.7), Arc(kZ, side > 0 ? -0.4 : 0.4, 0.5, 1.0))});
 }
 
 void Wave(DragonletPose* pose) {
@@ -138,7 +138,7 @@ void Wave(DragonletPose* pose) {
   pose->Arms({1.75, 1.3, Both(Arc(kZ, 1.75, 0.1, 0.8), Arc(kZ, -0.8, 0.65, 1.0))},
              {1.1, 1.0, Arc(kZ, -0.5)});
   pose->Ears({1.05, 1.0, Arc(kZ, 1.0)}, {1.0, 1.0, Arc(kZ, -0.3)});
-  pose->Tail({1.05, 1.0, Both(Arc(kY, 2.1, 0.1, 0.7), Arc(kZ, -1.3, 0.5, 1.0))});
+  pose->Tail({1.05, 1.0, Both(Arc(kY, 0.6, 0.1, 0.7), Arc(kZ, -0.6, 0.5, 1.0))});
 }
 
 void Startled(DragonletPose* pose) {
