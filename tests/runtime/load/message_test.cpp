@@ -16,7 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::string kEvil = "x\n\x1B[31merror: all is lost\r\t" + std::string(200000, 'y');
+// `head`, then c two hundred thousand times.
+std::string Long(std::string head, char c) {
+  head.append(200000, c);
+  return head;
+}
+
+const std::string kEvil = Long("x\n\x1B[31merror: all is lost\r\t", 'y');
 
 void ExpectHarmless(const Status& status, const char* what) {
   ASSERT_FALSE(status.ok()) << what;
@@ -98,10 +104,10 @@ TEST(Message, TextOfTheRig_CannotBreakTheLine) {
 }
 
 TEST(Message, JsonThatIsNone_IsNotRepeatedAtLength) {
-  const std::string text = R"({"asset": {"version": ")" + std::string(200000, 'y');
+  const std::string text = Long(R"({"asset": {"version": ")", 'y');
   ExpectHarmless(ParseText(text).status(), "string without an end");
   ExpectHarmless(ParseText("{\"a\": \"\x1B[2J\"}").status(), "control character");
-  ExpectHarmless(ParseText("{\"a\": " + std::string(200000, '1') + "x}").status(), "number");
+  ExpectHarmless(ParseText(Long("{\"a\": ", '1').append("x}")).status(), "number");
 }
 
 }  // namespace
