@@ -253,25 +253,27 @@ TEST_F(VulkanSkinnerTest, CharactersOfAnySize_HaveTheFramesOfTheCpu) {
   }
 }
 
-// Every mixture of coordinates that a float can hold, from the same sequence on every machine.
-float Extreme(uint32_t* state) {
+// A mixture of coordinates, from the same sequence on every machine: all that a float can hold, or
+// only such as can be squared, which crumple the surface until tangents lie along normals.
+float Extreme(bool all, uint32_t* state) {
   static constexpr float kLargest = std::numeric_limits<float>::max();
   static constexpr float kSmallest = std::numeric_limits<float>::min();
-  static constexpr float kValues[] = {0,     1,   0.5f,  1e-20f, 1e20f,    3e9f,
-                                      1e-8f, 1e5, 1e15f, 30.0f,  kLargest, kSmallest};
+  static constexpr float kValues[] = {0,     1,    0.5f,   30,    1e-3f, 1e4f,     1e-5f,
+                                      1e-8f, 3e9f, 1e-20f, 1e20f, 1e15f, kLargest, kSmallest};
   *state = *state * 1664525u + 1013904223u;
-  const float value = kValues[(*state >> 8) % std::size(kValues)];
+  const float value = kValues[(*state >> 8) % (all ? std::size(kValues) : 7)];
   return (*state >> 24) % 2 == 0 ? value : -value;
 }
 
 TEST_F(VulkanSkinnerTest, CoordinatesOfAnySize_GiveFiniteUnitFrames) {
-  const test::SkinFixture sphere = WithASecondShape(test::MakeSeamSphereFixture(12, 7));
+  const test::SkinFixture sphere = WithASecondShape(test::MakeSeamSphereFixture(40, 30));
   uint32_t state = 1;
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 60; ++round) {
+    const bool all = round % 3 == 0;
     test::SkinFixture fixture = sphere;
     for (uint32_t v = 0; v < fixture.mesh.num_solve_vertices; ++v) {
       fixture.mesh.shape_positions[fixture.mesh.num_solve_vertices + v] = {
-          Extreme(&state), Extreme(&state), Extreme(&state)};
+          Extreme(all, &state), Extreme(all, &state), Extreme(all, &state)};
     }
     auto skinner = Make(fixture);
     ASSERT_NE(skinner, nullptr);
@@ -281,7 +283,7 @@ TEST_F(VulkanSkinnerTest, CoordinatesOfAnySize_GiveFiniteUnitFrames) {
          Skin(skinner.get(), instance->get(), 0, test::RestPose(fixture, 1).view())) {
       ASSERT_NEAR(Dot(v.normal, v.normal), 1, 1e-5) << round;
       ASSERT_NEAR(Dot(v.tangent, v.tangent), 1, 1e-5) << round;
-      ASSERT_NEAR(Dot(v.normal, v.tangent), 0, 1e-5) << round;
+      ASSERT_NEAR(Dot(v.normal, v.tangent), 0, 2e-6) << round;
     }
   }
 }
