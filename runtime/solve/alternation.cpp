@@ -1,6 +1,6 @@
 #include "solve/alternation.h"
 
-#include "core/rotation_fit.h"
+#include "solve/rotation_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,173 +15,255 @@ constexpr double kSmoothing = 1e-14;  // delta^2 of the convex step
 constexpr double kProximal = 1e-10;   // rho of the convex step
 constexpr double kMatched = 1e-11;    // f that rounding leaves where an example matches exactly
 
+// scale * R_block, row-major.
+template <int K>
+void ScaledRotation(const AlignedVector<double>& rotations, int block, double scale, double* m) {
+  for (size_t row = 0; row < K; ++row) {
+    for (size_t column = 0; column < K; ++column) {
+      m[row * K + column] =
+          scale * rotations[PlaneIndex<K>(static_cast<size_t>(block), row, column)];
+    }
+  }
+}
+
 }  // namespace
 
 template <int K>
-RotatedColumns<K>::RotatedColumns(const PoseModel& model)
-    : model_(model),
-      columns_(static_cast<size_t>(model.num_blocks) * static_cast<size_t>(model.num_blocks)),
-      is_made_(static_cast<size_t>(model.num_blocks)) {}
-
-template <int K>
-void RotatedColumns<K>::Reset(const std::vector<Rotation>* rotations) {
-  rotations_ = rotations;
-  std::fill(is_made_.begin(), is_made_.end(), uint8_t{0});
-}
-
-template <int K>
-const double* RotatedColumns<K>::Column(int block) {
-  double* column = columns_.data() + static_cast<Eigen::Index>(block) * model_.num_blocks;
-  if (is_made_[block] != 0) return column;
-  is_made_[block] = 1;
-  if (model_.gram.rows() == model_.num_blocks) {  // folded: a rig without rotations
-    std::copy_n(model_.gram.col(block).data(), model_.num_blocks, column);
-    return column;
+void RotatedColumns<K>::Column(int block, double* column) {
+  if (model_.is_folded) {
+    std::copy_n(model_.GramColumn(block), model_.gram_stride, column);
+    return;
   }
-  const auto strip = model_.gram.template middleCols<K>(static_cast<Eigen::Index>(block) * K);
-  const Rotation turn = (*rotations_)[block].transpose();
-  for (int i = 0; i < model_.num_blocks; ++i) {
-    const Rotation turned = strip.template middleRows<K>(static_cast<Eigen::Index>(i) * K) * turn;
-    column[i] = (*rotations_)[i].transpose().cwiseProduct(turned).sum();
-  }
-  return column;
+  double turn[K * K];
+  ScaledRotation<K>(rotations_, block, 1, turn);
+  ChooseSolveKernels<K>().rotate_column(model_.GramColumn(block), rotations_.data(), turn,
+                                        model_.chunks(), column);
 }
 
 template <int K>
 Alternation<K>::Alternation(const PoseModel& model)
-    : targets(Modes::Zero(static_cast<Eigen::Index>(model.pinned.size()), K)),
-      rotations_(static_cast<size_t>(model.num_blocks), Rotation::Identity()),
-      single_rotations_(rotations_),
-      blend_(static_cast<size_t>(model.num_blocks)),
+    : targets(static_cast<size_t>(model.rig->num_handles()) * K),
+      kernels_(ChooseSolveKernels<K>()),
+      rotations_(model.chunks() * kBlockLanes * K * K),
+      last_rotations_(rotations_),
+      blend_(model.chunks() * kBlockLanes),
       last_blend_(blend_),
       distances_(blend_),
-      linear_(blend_),
       nearness_(blend_),
-      modes_(model.num_modes, K),
-      answered_targets_(targets),
-      fits_(static_cast<Eigen::Index>(model.num_blocks) * K, K),
-      columns_(model),
-      blend_step_(model.num_groups, model.num_shapes),
-      nearness_step_(model),
-      energy_(model) {}
+      rows_(targets.size() * blend_.size()),
+      goal_(targets.size()),
+      residual_(PaddedSize(goal_.size())),
+      product_(rotations_),
+      fits_(rotations_),
+      pin_values_(goal_.size() + K * (K + 1)),
+      transforms_(model.row_chunks() * kBlockLanes * K),
+      failed_(blend_.size()),
+      blend_step_(kernels_, model.num_groups, model.num_shapes, static_cast<int>(goal_.size())),
+      nearness_step_(model) {}
+
+template <int K>
+typename Alternation<K>::Rotation Alternation<K>::rotation(int block) const {
+  return MatrixOfBlock<K>(rotations_.data(), static_cast<size_t>(block));
+}
 
 template <int K>
 void Alternation<K>::HoldRotationsAtIdentity() {
-  std::fill(rotations_.begin(), rotations_.end(), Rotation::Identity());
-  std::fill(single_rotations_.begin(), single_rotations_.end(), Rotation::Identity());
+  if (are_identity_) return;
+  SetIdentity<K>(&rotations_);
+  nearness_step_.Reset();
+  blend_step_.ForgetColumns();
+  are_identity_ = true;
 }
 
 template <int K>
 void Alternation<K>::ResetToRest(const PoseModel& model) {
+  are_identity_ = false;
   HoldRotationsAtIdentity();
   std::fill(blend_.begin(), blend_.end(), 0.0);
-  for (int block = 0; block < model.num_blocks; block += model.num_shapes) {
+  for (int block = 0; block < model.num_blocks; block += model.num_shapes)
     blend_[static_cast<size_t>(block)] = 1;
-  }
-  energy_.MinimiseModes(model, targets, blend_.data(), rotations_, &modes_, &translation_);
-  if (!model.rig->tables().has_rotations) return;
-  FitRotations(model);
-  single_rotations_ = rotations_;
+  UpdateGoal(model);
+  RotateLoads(model);
+  UpdateResidual(model);
+  UpdateProduct(model);
 }
 
-// l_gs = tr(R_gs V_gs^T W X) and c0 = 1/2 tr(X^T W X), with V^T the rows of constraint_load.
+// L^T X.
 template <int K>
-void Alternation<K>::PrepareConvexStep(const PoseModel& model, double lambda,
-                                       BlendProblem* problem) {
-  answered_targets_ = model.constraints.response.lazyProduct(targets);
-  const double floor = kNearnessFloor * std::sqrt(model.energy_scale);
-  for (int block = 0; block < model.num_blocks; ++block) {
-    const Rotation load =
-        model.constraint_load.template middleRows<K>(static_cast<Eigen::Index>(block) * K)
-            .lazyProduct(answered_targets_);
-    linear_[block] = rotations_[block].transpose().cwiseProduct(load).sum();
-    nearness_[block] = lambda * std::max(std::sqrt(distances_[block]), floor);
+void Alternation<K>::UpdateGoal(const PoseModel& model) {
+  const PinSet& pins = *model.pins;
+  for (size_t p = 0; p < pins.rank(); ++p) {
+    const auto root = pins.system.root.col(static_cast<Eigen::Index>(p));
+    for (size_t c = 0; c < K; ++c) {
+      double goal = 0;
+      for (size_t pin = 0; pin < pins.size(); ++pin)
+        goal += root[static_cast<Eigen::Index>(pin)] * targets[pin * K + c];
+      goal_[p * K + c] = goal;
+    }
   }
-  columns_.Reset(&rotations_);
-  problem->num_groups = model.num_groups;
-  problem->num_shapes = model.num_shapes;
-  problem->quadratic = &columns_;
-  problem->linear = linear_.data();
-  problem->nearness = nearness_.data();
-  problem->constant = 0.5 * targets.cwiseProduct(answered_targets_).sum();
-  problem->delta_squared = kSmoothing * model.energy_scale;
-  problem->proximal = kProximal * model.energy_scale;
-  problem->matched = kMatched * model.energy_scale;
 }
 
-// K^_gs = K_z,gs z and its best rotation (eq. 22, 23), of every shape and group; returns the
-// largest change of an entry where the shape is in use.
+template <int K>
+void Alternation<K>::RotateLoads(const PoseModel& model) {
+  kernels_.rotate_loads(model.pins->loads.data(), rotations_.data(), model.pins->rank(),
+                        model.chunks(), rows_.data());
+}
+
+// e = L^T X - sum_j B_j L^T V_j^T R_j^T.
+template <int K>
+void Alternation<K>::UpdateResidual(const PoseModel& model) {
+  for (size_t row = 0; row < model.pins->rank() * K; ++row) {
+    residual_[row] = goal_[row] - kernels_.dot(rows_.data() + row * blend_.size(), blend_.data(),
+                                               model.chunks());
+  }
+}
+
+// P_i = sum_j gram_ij B_j R_j^T; of a folded rig it is not needed.
+template <int K>
+void Alternation<K>::UpdateProduct(const PoseModel& model) {
+  if (model.is_folded) return;
+  std::fill(product_.begin(), product_.end(), 0.0);
+  for (int j = 0; j < model.num_blocks; ++j) {
+    if (blend_[static_cast<size_t>(j)] == 0) continue;
+    double m[K * K];
+    ScaledRotation<K>(rotations_, j, blend_[static_cast<size_t>(j)], m);
+    kernels_.add_product(model.GramColumn(j), m, model.chunks(), product_.data());
+  }
+}
+
+// K^ and its best rotation (eq. 22, 23), of every shape and group; returns the largest change of
+// an entry where the shape is in use.
 template <int K>
 double Alternation<K>::FitRotations(const PoseModel& model) {
-  fits_.setZero();
-  for (int m = 0; m < model.num_modes; ++m) {
-    const float* edges = model.mode_edges.col(m).data();
-    for (int c = 0; c < K; ++c) {
-      const double mode = modes_(m, c);
-      double* fit = fits_.col(c).data();
-      for (Eigen::Index i = 0; i < fits_.rows(); ++i)
-        fit[i] += mode * static_cast<double>(edges[i]);
-    }
+  are_identity_ = false;
+  blend_step_.ForgetColumns();
+  last_rotations_ = rotations_;
+  for (size_t i = 0; i < fits_.size(); ++i)
+    fits_[i] = -product_[i];
+  for (int j = 0; j < model.num_blocks; ++j) {
+    if (blend_[static_cast<size_t>(j)] == 0) continue;
+    double m[K * K];
+    ScaledRotation<K>(rotations_, j, blend_[static_cast<size_t>(j)], m);
+    kernels_.add_product(model.NearColumn(j), m, model.near_chunks(j),
+                         fits_.data() + model.near_first(j) * kBlockLanes * K * K);
   }
+  UpdateResidual(model);  // of the last B and R, for the present targets
+  kernels_.add_loads(model.pins->loads.data(), residual_.data(), model.pins->rank(),
+                     model.chunks(), fits_.data());
+  FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_blocks), fits_, rotations_.data(),
+                       &failed_);
   double change = 0;
-  for (int block = 0; block < model.num_blocks; ++block) {
-    const Rotation fit =
-        FitRotation<K>(fits_.template middleRows<K>(static_cast<Eigen::Index>(block) * K));
-    if (blend_[block] > 0) {
-      change = std::max(change, (fit - rotations_[block]).cwiseAbs().maxCoeff());
+  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
+    if (blend_[i] == 0) continue;
+    for (size_t entry = 0; entry < K * K; ++entry) {
+      const size_t at = PlaneIndex<K>(i, entry / K, entry % K);
+      change = std::max(change, std::abs(rotations_[at] - last_rotations_[at]));
     }
-    rotations_[block] = fit;
   }
   return change;
+}
+
+template <int K>
+double Alternation<K>::SolveConvexStep(const PoseModel& model, double lambda) {
+  const double floor = kNearnessFloor * std::sqrt(model.energy_scale);
+  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i)
+    nearness_[i] = lambda * std::max(std::sqrt(distances_[i]), floor);
+  RotatedColumns<K> columns(model, rotations_);
+  BlendProblem problem;
+  problem.quadratic = &columns;
+  problem.num_rows = static_cast<int>(model.pins->rank() * K);
+  problem.rows = rows_.data();
+  problem.goal = goal_.data();
+  problem.nearness = nearness_.data();
+  problem.delta_squared = kSmoothing * model.energy_scale;
+  problem.proximal = kProximal * model.energy_scale;
+  problem.matched = kMatched * model.energy_scale;
+  return blend_step_.Solve(problem, blend_.data()).violation;
 }
 
 template <int K>
 typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
                                                      const Settings& settings) {
   Outcome outcome;
+  UpdateGoal(model);
   if (settings.rotations) {
     outcome.change = FitRotations(model);
   } else {
     HoldRotationsAtIdentity();
   }
+  RotateLoads(model);
   if (model.num_shapes > 1) {
-    nearness_step_.Run(model, targets, !settings.rotations, &single_rotations_, distances_.data());
+    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations,
+                       distances_.data());
     last_blend_ = blend_;
-    BlendProblem problem;
-    PrepareConvexStep(model, settings.lambda, &problem);
-    outcome.optimality = blend_step_.Solve(problem, blend_.data()).violation;
-    for (size_t i = 0; i < blend_.size(); ++i) {
+    outcome.optimality = SolveConvexStep(model, settings.lambda);
+    for (size_t i = 0; i < blend_.size(); ++i)
       outcome.change = std::max(outcome.change, std::abs(blend_[i] - last_blend_[i]));
-    }
   }
-  energy_.MinimiseModes(model, targets, blend_.data(), rotations_, &modes_, &translation_);
+  UpdateResidual(model);
+  UpdateProduct(model);
   return outcome;
 }
 
 template <int K>
-double Alternation<K>::ElasticRoot(const PoseModel& model, double* nearness) {
+double Alternation<K>::ElasticRoot(const PoseModel& model, double* nearness) const {
   *nearness = 0;
-  for (size_t i = 0; i < blend_.size(); ++i)
+  double energy = 0.5 * kernels_.dot(residual_.data(), residual_.data(),
+                                     residual_.size() / kBlockLanes);
+  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
+    if (blend_[i] == 0) continue;
     *nearness += blend_[i] * nearness_[i];
-  return std::sqrt(energy_.Value(model, blend_.data(), rotations_));
+    double half = 0;
+    if (model.is_folded) {
+      half = kernels_.dot(model.GramColumn(static_cast<int>(i)), blend_.data(), model.chunks());
+    } else {
+      for (size_t c = 0; c < K; ++c) {
+        for (size_t a = 0; a < K; ++a)
+          half += rotations_[PlaneIndex<K>(i, c, a)] * product_[PlaneIndex<K>(i, a, c)];
+      }
+    }
+    energy += 0.5 * blend_[i] * half;
+  }
+  return std::sqrt(std::max(energy, 0.0));
 }
 
+// T^ = phi_0 t + Phi_1 C^T L e + sum_j Phi_1 K_z,j^T B_j R_j^T, t = w (X - C b).
 template <int K>
-void Alternation<K>::Transforms(const PoseModel& model,
-                                Eigen::Matrix<double, Eigen::Dynamic, K>* out) const {
-  const Eigen::Index n = out->rows();
-  for (int c = 0; c < K; ++c) {
-    double* result = out->col(c).data();
-    for (Eigen::Index i = 0; i < n; ++i) {
-      result[i] = translation_[c] * static_cast<double>(model.mode_transforms(i, 0));
-    }
-    for (int m = 0; m < model.num_modes; ++m) {
-      const float* transforms = model.mode_transforms.col(1 + m).data();
-      const double mode = modes_(m, c);
-      for (Eigen::Index i = 0; i < n; ++i)
-        result[i] += mode * static_cast<double>(transforms[i]);
+const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) {
+  const PinSet& pins = *model.pins;
+  const size_t chunks = model.row_chunks();
+  std::fill(transforms_.begin(), transforms_.end(), 0.0);
+  std::fill(pin_values_.begin(), pin_values_.end(), 0.0);
+  for (size_t pin = 0; pin < pins.size(); ++pin) {
+    for (size_t c = 0; c < K; ++c) {
+      pin_values_[c] +=
+          pins.system.translation[static_cast<Eigen::Index>(pin)] * targets[pin * K + c];
     }
   }
+  std::copy_n(residual_.begin(), pins.rank() * K, pin_values_.begin() + K);
+  for (int j = 0; j < model.num_blocks; ++j) {
+    const double weight = blend_[static_cast<size_t>(j)];
+    if (weight == 0) continue;
+    double m[K * K];
+    ScaledRotation<K>(rotations_, j, weight, m);
+    for (size_t c = 0; c < K; ++c) {
+      for (size_t a = 0; a < K; ++a)
+        pin_values_[c] -= m[c * K + a] * pins.shifts[a * blend_.size() + static_cast<size_t>(j)];
+    }
+    kernels_.add_transforms(
+        model.transform_response.data() + static_cast<size_t>(j) * transforms_.size(), m, chunks,
+        transforms_.data());
+  }
+  for (size_t first = 0; first < 1 + pins.rank(); first += K) {
+    double m[K * K];
+    for (size_t c = 0; c < K; ++c) {
+      for (size_t b = 0; b < K; ++b)
+        m[c * K + b] = pin_values_[(first + b) * K + c];
+    }
+    kernels_.add_transforms(pins.transforms.data() + first / K * transforms_.size(), m, chunks,
+                            transforms_.data());
+  }
+  return transforms_;
 }
 
 template class RotatedColumns<2>;

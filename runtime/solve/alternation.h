@@ -1,10 +1,17 @@
 // One character's unknowns and the alternation over them (section 5.5), for k = 2 and 3.
+//
+// The transforms are eliminated (editor_tools/bake/REDUCTION.md): with P_i = sum_j gram_ij B_j R_j^T
+// and the residual of the pins e = L^T (X - sum_j B_j V_j^T R_j^T),
+//     E_d      = 1/2 sum_i B_i tr(R_i P_i) + 1/2 |e|^2
+//     K^_i     = sum_{j in g(i)} B_j H_ij R_j^T - P_i + V_i L e          (eq. 23)
+//     T^       = Phi_1 (sum_j B_j K_z,j^T R_j^T + C^T L e) + phi_0 t
+// so a frame is a few products over the blocks in use.
 #pragma once
 
+#include "core/aligned_vector.h"
 #include "solve/blend_weight_step.h"
 #include "solve/nearness_step.h"
 #include "solve/pose_model.h"
-#include "solve/reduced_energy.h"
 
 #include <Eigen/Core>
 
@@ -12,29 +19,26 @@
 
 namespace limber {
 
-// Columns of Q_ij = tr(R_i gram_ij R_j^T), made when the convex step first asks for them.
+// Columns of Q_ij = tr(R_i gram_ij R_j^T).
 template <int K>
 class RotatedColumns final : public QuadraticColumns {
  public:
-  using Rotation = Eigen::Matrix<double, K, K>;
+  // rotations: planes over all blocks; both outlive this.
+  RotatedColumns(const PoseModel& model, const AlignedVector<double>& rotations)
+      : model_(model),
+        rotations_(rotations) {}
 
-  explicit RotatedColumns(const PoseModel& model);
-  // Forgets all columns: the rotations have changed.
-  void Reset(const std::vector<Rotation>* rotations);
-  const double* Column(int block) override;
+  void Column(int block, double* column) override;
 
  private:
   const PoseModel& model_;
-  const std::vector<Rotation>* rotations_ = nullptr;
-  std::vector<double> columns_;   // [G*S][G*S], a row per column of Q
-  std::vector<uint8_t> is_made_;  // [G*S]
+  const AlignedVector<double>& rotations_;
 };
 
 template <int K>
 class Alternation {
  public:
   using Rotation = Eigen::Matrix<double, K, K>;
-  using Modes = Eigen::Matrix<double, Eigen::Dynamic, K, Eigen::RowMajor>;
 
   struct Settings {
     double lambda = 0.5;
@@ -47,41 +51,46 @@ class Alternation {
 
   explicit Alternation(const PoseModel& model);
 
-  // B on the first shape, its rotations the identity, the others' fitted to it.
+  // B on the first shape, all rotations the identity. Targets stay.
   void ResetToRest(const PoseModel& model);
-  // R from the last z, then D, B and z (eq. 22, 10, 20): afterwards B, R and z belong together.
+  // R for the present targets and the last B, then D and B (eq. 22, 10, 20).
   Outcome Run(const PoseModel& model, const Settings& settings);
   // Both terms of eq. 10 at the present unknowns: sqrt(E_d), and lambda sum B sqrt(D) in *nearness.
-  double ElasticRoot(const PoseModel& model, double* nearness);
-  // T^ = Phi [t; z]: n x k into *transforms (column-major, n rows).
-  void Transforms(const PoseModel& model, Eigen::Matrix<double, Eigen::Dynamic, K>* out) const;
+  double ElasticRoot(const PoseModel& model, double* nearness) const;
+  // T^: [row chunk][K][8], valid until the next call.
+  const AlignedVector<double>& Transforms(const PoseModel& model);
 
-  Modes targets;  // X, c x k, rig space
+  AlignedVector<double> targets;  // X, [c][K], rig space
 
-  const std::vector<double>& blend() const { return blend_; }
+  const AlignedVector<double>& blend() const { return blend_; }
 
-  const std::vector<Rotation>& rotations() const { return rotations_; }  // R, [G*S]
+  Rotation rotation(int block) const;  // R
 
-  const std::vector<double>& distances() const { return distances_; }  // D, [G*S]
+  const AlignedVector<double>& distances() const { return distances_; }  // D, [G*S]
 
  private:
   void HoldRotationsAtIdentity();
-  void PrepareConvexStep(const PoseModel& model, double lambda, BlendProblem* problem);
   double FitRotations(const PoseModel& model);
+  void UpdateGoal(const PoseModel& model);
+  void RotateLoads(const PoseModel& model);
+  void UpdateResidual(const PoseModel& model);
+  void UpdateProduct(const PoseModel& model);
+  double SolveConvexStep(const PoseModel& model, double lambda);
 
-  std::vector<Rotation> rotations_;         // R, [G*S]
-  std::vector<Rotation> single_rotations_;  // those behind D
-  std::vector<double> blend_, last_blend_;  // B
-  std::vector<double> distances_;           // D
-  std::vector<double> linear_, nearness_;   // l, lambda sqrt(D)
-  Modes modes_;                             // z
-  Eigen::Matrix<double, 1, K> translation_ = Eigen::Matrix<double, 1, K>::Zero();  // t
-  Modes answered_targets_;                                                         // W X, c x k
-  Eigen::Matrix<double, Eigen::Dynamic, K> fits_;  // K^ of all blocks, G*S*k x k
-  RotatedColumns<K> columns_;
+  const SolveKernels& kernels_;
+  AlignedVector<double> rotations_, last_rotations_;  // R, planes
+  bool are_identity_ = false;                       // all R = I
+  AlignedVector<double> blend_, last_blend_;          // B, [padded]
+  AlignedVector<double> distances_, nearness_;        // D and lambda sqrt(D), [padded]
+  AlignedVector<double> rows_;                        // L^T V_j^T R_j^T: [q][K][padded]
+  AlignedVector<double> goal_, residual_;             // L^T X and e, [q][K]
+  AlignedVector<double> product_;                     // P, planes
+  AlignedVector<double> fits_;                        // K^, planes
+  AlignedVector<double> pin_values_;                  // t and e, [1 + q and a little][K]
+  AlignedVector<double> transforms_;                  // T^
+  std::vector<uint8_t> failed_;                     // [padded], scratch
   BlendWeightStep blend_step_;
   NearnessStep<K> nearness_step_;
-  ReducedEnergy<K> energy_;
 };
 
 extern template class Alternation<2>;

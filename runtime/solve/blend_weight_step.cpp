@@ -1,10 +1,7 @@
 #include "solve/blend_weight_step.h"
 
-#include "solve/dense_cholesky.h"
-
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 namespace limber {
@@ -13,27 +10,108 @@ namespace {
 // Multipliers this small, of the largest gradient, are rounding where f is nearly zero.
 constexpr double kMultiplierTolerance = 1e-8;
 
+// Room for this many weights in use a group, and for all of them in small characters: a few shapes
+// mix in a group, whatever their number.
+constexpr int kUsedPerGroup = 6, kUsedAlways = 512;
+
+size_t Padded(int count) {
+  return PaddedSize(static_cast<size_t>(count));
+}
+
 }  // namespace
 
-// A step in the coordinates of free_; `unbounded`: along `direction` until a bound stops it.
-struct BlendWeightStep::Step {
-  bool unbounded = false;
-};
-
-BlendWeightStep::BlendWeightStep(int num_groups, int num_shapes)
-    : num_groups_(num_groups),
-      num_shapes_(num_shapes) {
-  const auto blocks = static_cast<size_t>(num_groups) * static_cast<size_t>(num_shapes);
-  const size_t most_free = blocks - static_cast<size_t>(num_groups);
-  is_free_.resize(blocks);
-  gradient_.resize(blocks);
-  start_.resize(blocks);
-  free_.reserve(blocks);
-  reference_.resize(static_cast<size_t>(num_groups));
+BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, int num_shapes,
+                                 int max_rows)
+    : kernels_(kernels),
+      num_groups_(num_groups),
+      num_shapes_(num_shapes),
+      num_blocks_(num_groups * num_shapes),
+      max_used_(std::min(num_blocks_, std::max(kUsedAlways, kUsedPerGroup * num_groups))),
+      padded_(Padded(num_blocks_)),
+      row_stride_(Padded(max_rows)),
+      used_stride_(Padded(max_used_)),
+      slot_(static_cast<size_t>(num_blocks_), -1),
+      columns_(static_cast<size_t>(max_used_) * padded_),
+      loads_(static_cast<size_t>(max_used_) * row_stride_),
+      load_rows_(row_stride_ * used_stride_),
+      quadratic_(static_cast<size_t>(max_used_) * used_stride_),
+      products_(quadratic_),
+      is_free_(static_cast<size_t>(num_blocks_)),
+      reference_(static_cast<size_t>(num_groups)),
+      gradient_(padded_),
+      residual_(row_stride_),
+      start_(static_cast<size_t>(num_blocks_)),
+      weights_(used_stride_),
+      used_gradient_(used_stride_),
+      difference_(used_stride_),
+      newton_(used_stride_),
+      slope_(used_stride_),
+      direction_(used_stride_) {
+  used_.reserve(static_cast<size_t>(max_used_));
+  free_.reserve(static_cast<size_t>(max_used_));
+  const size_t most_free = Padded(std::max(0, max_used_ - num_groups));
   hessian_.resize(most_free * most_free);
-  newton_.resize(most_free);
-  slope_.resize(most_free);
-  direction_.resize(most_free);
+}
+
+void BlendWeightStep::ForgetColumns() {
+  for (const int block : used_)
+    slot_[static_cast<size_t>(block)] = -1;
+  used_.clear();
+}
+
+// Where room is short: forgets the columns of weights that are zero and stay so, unless none is.
+void BlendWeightStep::DropUnused(const double* blend) {
+  int kept = 0;
+  for (size_t slot = 0; slot < used_.size(); ++slot) {
+    const auto block = static_cast<size_t>(used_[slot]);
+    if (blend[block] == 0 && is_free_[block] == 0) {
+      slot_[block] = -1;
+      continue;
+    }
+    std::copy_n(column(static_cast<int>(slot)), padded_, column(kept));
+    std::copy_n(loads_.data() + slot * row_stride_, row_stride_,
+                loads_.data() + static_cast<size_t>(kept) * row_stride_);
+    used_[static_cast<size_t>(kept++)] = static_cast<int>(block);
+  }
+  used_.resize(static_cast<size_t>(kept));
+  for (size_t slot = 0; slot < used_.size(); ++slot)
+    Place(slot);
+}
+
+// The products of a slot, whose column and load are there, with those before it.
+void BlendWeightStep::Place(size_t slot) {
+  slot_[static_cast<size_t>(used_[slot])] = static_cast<int>(slot);
+  const double* load = loads_.data() + slot * row_stride_;
+  for (size_t row = 0; row < row_stride_; ++row)
+    load_rows_[row * used_stride_ + slot] = load[row];
+  double* products = products_.data() + slot * used_stride_;
+  double* quadratic = quadratic_.data() + slot * used_stride_;
+  std::fill_n(products, used_stride_, 0.0);
+  kernels_.add_rows(load_rows_.data(), used_stride_, load, row_stride_, NumChunks(slot + 1),
+                    products);
+  const double* q = column(static_cast<int>(slot));
+  for (size_t other = 0; other <= slot; ++other) {
+    quadratic[other] = q[used_[other]];
+    products[other] += quadratic[other];
+    quadratic_[other * used_stride_ + slot] = quadratic[other];
+    products_[other * used_stride_ + slot] = products[other];
+  }
+}
+
+// Gives a weight a slot; false where there is no room left.
+bool BlendWeightStep::Use(const BlendProblem& problem, int block, const double* blend) {
+  if (slot_[static_cast<size_t>(block)] >= 0) return true;
+  if (static_cast<int>(used_.size()) == max_used_) DropUnused(blend);
+  if (static_cast<int>(used_.size()) == max_used_) return false;
+  const size_t slot = used_.size();
+  problem.quadratic->Column(block, column(static_cast<int>(slot)));
+  double* load = loads_.data() + slot * row_stride_;
+  std::fill_n(load, row_stride_, 0.0);
+  for (int row = 0; row < problem.num_rows; ++row)
+    load[row] = problem.rows[static_cast<size_t>(row) * padded_ + static_cast<size_t>(block)];
+  used_.push_back(block);
+  Place(slot);
+  return true;
 }
 
 // A group's reference is its largest weight: it is the last one that a step drives to its bound.
@@ -44,80 +122,113 @@ void BlendWeightStep::CollectFree(const double* blend) {
     for (int j = reference; j < (g + 1) * num_shapes_; ++j) {
       if (blend[j] > blend[reference]) reference = j;
     }
-    reference_[g] = reference;
-    is_free_[reference] = 1;
+    reference_[static_cast<size_t>(g)] = reference;
+    is_free_[static_cast<size_t>(reference)] = 1;
     for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
-      if (is_free_[j] != 0 && j != reference) free_.push_back(j);
+      if (is_free_[static_cast<size_t>(j)] != 0 && j != reference) free_.push_back(j);
     }
   }
 }
 
-void BlendWeightStep::UpdateGradient(const BlendProblem& problem, const double* blend) {
-  const int blocks = num_groups_ * num_shapes_;
-  for (int i = 0; i < blocks; ++i)
-    gradient_[i] = 0;
-  for (int j = 0; j < blocks; ++j) {
-    if (blend[j] == 0) continue;
-    const double* column = problem.quadratic->Column(j);
-    for (int i = 0; i < blocks; ++i)
-      gradient_[i] += blend[j] * column[i];
+// A B - a, f(B) and the gradient, the latter at the weights in use only.
+void BlendWeightStep::UpdateUsedGradient(const BlendProblem& problem, const double* blend) {
+  const size_t count = used_.size(), chunks = NumChunks(count);
+  std::fill_n(weights_.begin(), chunks * kBlockLanes, 0.0);
+  for (size_t slot = 0; slot < count; ++slot)
+    weights_[slot] = blend[used_[slot]];
+  for (int row = 0; row < problem.num_rows; ++row)
+    residual_[static_cast<size_t>(row)] = -problem.goal[row];
+  const size_t row_chunks = row_stride_ / kBlockLanes;
+  kernels_.add_rows(loads_.data(), row_stride_, weights_.data(), count, row_chunks,
+                    residual_.data());
+  value_ = 0.5 * kernels_.dot(residual_.data(), residual_.data(), row_chunks);
+  std::fill_n(used_gradient_.begin(), chunks * kBlockLanes, 0.0);
+  kernels_.add_rows(quadratic_.data(), used_stride_, weights_.data(), count, chunks,
+                    used_gradient_.data());
+  value_ += 0.5 * kernels_.dot(weights_.data(), used_gradient_.data(), chunks);
+  kernels_.add_rows(load_rows_.data(), used_stride_, residual_.data(),
+                    static_cast<size_t>(problem.num_rows), chunks, used_gradient_.data());
+  for (size_t slot = 0; slot < count; ++slot) {
+    const auto block = static_cast<size_t>(used_[slot]);
+    const double moved = blend[block] - start_[block];
+    value_ += 0.5 * problem.proximal * moved * moved;
+    gradient_[block] = used_gradient_[slot] + problem.proximal * moved;
   }
-  double value = problem.constant;  // 1/2 B.(Q B - 2 l) + c0
-  for (int i = 0; i < blocks; ++i) {
-    value += blend[i] * (0.5 * gradient_[i] - problem.linear[i]);
-    const double moved = blend[i] - start_[i];
-    value += 0.5 * problem.proximal * moved * moved;
-    gradient_[i] += problem.proximal * moved - problem.linear[i];
+  value_ = std::max(value_, 0.0);
+}
+
+// After UpdateUsedGradient: at all weights.
+void BlendWeightStep::UpdateFullGradient(const BlendProblem& problem, const double* blend) {
+  std::fill(gradient_.begin(), gradient_.end(), 0.0);
+  kernels_.add_rows(columns_.data(), padded_, weights_.data(), used_.size(),
+                    padded_ / kBlockLanes, gradient_.data());
+  kernels_.add_rows(problem.rows, padded_, residual_.data(),
+                    static_cast<size_t>(problem.num_rows), padded_ / kBlockLanes,
+                    gradient_.data());
+  for (const int block : used_) {
+    gradient_[static_cast<size_t>(block)] +=
+        problem.proximal * (blend[block] - start_[static_cast<size_t>(block)]);
   }
-  value_ = std::max(value, 0.0);
+}
+
+// Of f, in the coordinates of free_ (each trades with its group's reference), lower triangle.
+void BlendWeightStep::BuildHessian(const BlendProblem& problem) {
+  const size_t size = free_.size(), stride = PaddedSize(size);
+  for (size_t a = 0; a < size; ++a) {
+    const int reference = reference_[static_cast<size_t>(free_[a] / num_shapes_)];
+    const double* row = products_.data() +
+                        static_cast<size_t>(slot_[static_cast<size_t>(free_[a])]) * used_stride_;
+    const double* other =
+        products_.data() + static_cast<size_t>(slot_[static_cast<size_t>(reference)]) * used_stride_;
+    std::copy_n(row, used_stride_, difference_.data());
+    kernels_.add_scaled(-1, other, PaddedSize(used_.size()) / kBlockLanes, difference_.data());
+    double* column = hessian_.data() + a * stride;
+    for (size_t b = a; b < size; ++b) {
+      const int pair = reference_[static_cast<size_t>(free_[b] / num_shapes_)];
+      column[b] = difference_[static_cast<size_t>(slot_[static_cast<size_t>(free_[b])])] -
+                  difference_[static_cast<size_t>(slot_[static_cast<size_t>(pair)])];
+      if (pair == reference) column[b] += problem.proximal;
+    }
+    column[a] += problem.proximal;
+    std::fill(column + size, column + stride, 0.0);
+  }
 }
 
 // On the affine hull of the free weights: with u the reduced Newton step of f and d the answer to
 // the nearness term, the minimiser lies at u + tau d, tau^2 = 4 (f(u) + delta^2) / (1 - 2 m^2),
-// m^2 = d^T Q d; where 2 m^2 >= 1 the linear term wins and d is followed to the border.
-BlendWeightStep::Step BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
-  const int size = static_cast<int>(free_.size());
-  for (int a = 0; a < size; ++a) {
-    const int ref_a = reference_[free_[a] / num_shapes_];
-    const double* column = problem.quadratic->Column(free_[a]);
-    const double* ref_column = problem.quadratic->Column(ref_a);
-    for (int b = a; b < size; ++b) {
-      const int ref_b = reference_[free_[b] / num_shapes_];
-      hessian_[b * size + a] =
-          column[free_[b]] - column[ref_b] - ref_column[free_[b]] + ref_column[ref_b];
-      if (ref_a == ref_b) hessian_[b * size + a] += problem.proximal;
-    }
-    hessian_[a * size + a] += problem.proximal;
-    newton_[a] = gradient_[ref_a] - gradient_[free_[a]];
-    slope_[a] = problem.nearness[free_[a]] - problem.nearness[ref_a];
-    direction_[a] = -slope_[a];
+// m^2 = d^T H d; it is left in newton_. False: 2 m^2 >= 1, the linear term wins and d, left in
+// direction_, is to be followed to the border.
+bool BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
+  const size_t size = free_.size(), stride = PaddedSize(size), chunks = stride / kBlockLanes;
+  BuildHessian(problem);
+  kernels_.cholesky_factor(hessian_.data(), size, stride);
+  for (AlignedVector<double>* side : {&newton_, &slope_, &direction_})
+    std::fill_n(side->begin(), stride, 0.0);
+  for (size_t a = 0; a < size; ++a) {
+    const auto block = static_cast<size_t>(free_[a]);
+    const auto reference = static_cast<size_t>(
+        reference_[static_cast<size_t>(free_[a] / num_shapes_)]);
+    newton_[a] = slope_[a] = gradient_[reference] - gradient_[block];
+    direction_[a] = problem.nearness[reference] - problem.nearness[block];
   }
-  CholeskyFactor(hessian_.data(), size);
-  double reached = value_;
-  for (int a = 0; a < size; ++a)
-    slope_[a] = -newton_[a];  // reduced gradient of f, kept for f(u)
-  CholeskySolve(hessian_.data(), size, newton_.data());
-  for (int a = 0; a < size; ++a)
-    reached += 0.5 * slope_[a] * newton_[a];
-  reached = std::max(reached, 0.0) + problem.delta_squared;
-  for (int a = 0; a < size; ++a)
-    slope_[a] = -direction_[a];
-  CholeskySolve(hessian_.data(), size, direction_.data());
-  double m_squared = 0;
-  for (int a = 0; a < size; ++a)
-    m_squared -= slope_[a] * direction_[a];
-  if (2 * m_squared >= 1) return Step{true};
-  const double tau = 2 * std::sqrt(reached / (1 - 2 * m_squared));
-  for (int a = 0; a < size; ++a)
-    newton_[a] += tau * direction_[a];
-  return Step{false};
+  kernels_.cholesky_solve(hessian_.data(), size, stride, newton_.data());
+  const double reached =
+      std::max(value_ - 0.5 * kernels_.dot(slope_.data(), newton_.data(), chunks), 0.0) +
+      problem.delta_squared;
+  std::copy_n(direction_.begin(), stride, slope_.begin());
+  kernels_.cholesky_solve(hessian_.data(), size, stride, direction_.data());
+  const double m_squared = kernels_.dot(slope_.data(), direction_.data(), chunks);
+  if (2 * m_squared >= 1) return false;
+  kernels_.add_scaled(2 * std::sqrt(reached / (1 - 2 * m_squared)), direction_.data(), chunks,
+                      newton_.data());
+  return true;
 }
 
 // Goes along the step as far as all weights stay non-negative. True: the step's end was reached.
-bool BlendWeightStep::MoveTowards(const Step& step, double* blend) {
-  const int size = static_cast<int>(free_.size());
-  const std::vector<double>& move = step.unbounded ? direction_ : newton_;
-  double length = step.unbounded ? std::numeric_limits<double>::infinity() : 1.0;
+bool BlendWeightStep::MoveTowards(bool bounded, double* blend) {
+  const size_t size = free_.size();
+  const AlignedVector<double>& move = bounded ? newton_ : direction_;
+  double length = bounded ? 1.0 : std::numeric_limits<double>::infinity();
   int blocking = -1;
   const auto limit = [&](int j, double rate) {
     if (rate < 0 && blend[j] < -rate * length) {
@@ -125,23 +236,23 @@ bool BlendWeightStep::MoveTowards(const Step& step, double* blend) {
       blocking = j;
     }
   };
-  int a = 0;
+  size_t a = 0;
   for (int g = 0; g < num_groups_; ++g) {
     double reference_rate = 0;
     for (; a < size && free_[a] / num_shapes_ == g; ++a) {
       limit(free_[a], move[a]);
       reference_rate -= move[a];
     }
-    limit(reference_[g], reference_rate);
+    limit(reference_[static_cast<size_t>(g)], reference_rate);
   }
   if (!std::isfinite(length)) return true;  // nothing moves: all rates are zero
-  for (int b = 0; b < size; ++b) {
+  for (size_t b = 0; b < size; ++b) {
     blend[free_[b]] += length * move[b];
-    blend[reference_[free_[b] / num_shapes_]] -= length * move[b];
+    blend[reference_[static_cast<size_t>(free_[b] / num_shapes_)]] -= length * move[b];
   }
   if (blocking < 0) return true;
   blend[blocking] = 0;
-  is_free_[blocking] = 0;
+  is_free_[static_cast<size_t>(blocking)] = 0;
   return false;
 }
 
@@ -149,30 +260,37 @@ bool BlendWeightStep::MoveTowards(const Step& step, double* blend) {
 double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* blend,
                                      bool one_only) {
   const double half = 0.5 / std::sqrt(value_ + problem.delta_squared);
-  const auto slope = [&](int j) { return half * gradient_[j] + problem.nearness[j]; };
+  const auto slope = [&](int j) {
+    return half * gradient_[static_cast<size_t>(j)] + problem.nearness[j];
+  };
   double scale = 0;
-  for (int j = 0; j < num_groups_ * num_shapes_; ++j)
+  for (int j = 0; j < num_blocks_; ++j)
     scale = std::max(scale, std::abs(slope(j)));
   double worst = 0;
   int worst_block = -1;
   for (int g = 0; g < num_groups_; ++g) {
-    const double level = slope(reference_[g]);
+    const double level = slope(reference_[static_cast<size_t>(g)]);
     double group_worst = -kMultiplierTolerance * scale;
     int group_block = -1;
     for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
-      if (is_free_[j] == 0 && blend[j] == 0 && slope(j) - level < group_worst) {
+      if (is_free_[static_cast<size_t>(j)] == 0 && blend[j] == 0 &&
+          slope(j) - level < group_worst) {
         group_worst = slope(j) - level;
         group_block = j;
       }
     }
     if (group_block < 0) continue;
-    if (!one_only) is_free_[group_block] = 1;
+    if (!one_only && Use(problem, group_block, blend)) {
+      is_free_[static_cast<size_t>(group_block)] = 1;
+    }
     if (group_worst < worst) {
       worst = group_worst;
       worst_block = group_block;
     }
   }
-  if (one_only && worst_block >= 0) is_free_[worst_block] = 1;
+  if (one_only && worst_block >= 0 && Use(problem, worst_block, blend)) {
+    is_free_[static_cast<size_t>(worst_block)] = 1;
+  }
   return worst < 0 ? -worst / scale : 0;
 }
 
@@ -180,7 +298,7 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
 bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* blend) const {
   if (value_ > problem.matched) return false;
   for (int g = 0; g < num_groups_; ++g) {
-    const double* nearness = problem.nearness + std::ptrdiff_t{g} * num_shapes_;
+    const double* nearness = problem.nearness + static_cast<ptrdiff_t>(g) * num_shapes_;
     const double nearest = *std::min_element(nearness, nearness + num_shapes_);
     for (int s = 0; s < num_shapes_; ++s) {
       if (blend[g * num_shapes_ + s] > 0 && nearness[s] > nearest) return false;
@@ -189,38 +307,47 @@ bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* 
   return true;
 }
 
+double BlendWeightStep::Objective(const BlendProblem& problem, const double* blend) const {
+  double objective = std::sqrt(value_ + problem.delta_squared);
+  for (const int block : used_)
+    objective += problem.nearness[block] * blend[block];
+  return objective;
+}
+
 BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
-  const int blocks = num_groups_ * num_shapes_;
-  const int most_faces = 50 + 8 * blocks;
-  for (int j = 0; j < blocks; ++j) {
-    is_free_[j] = blend[j] > 0 ? 1 : 0;
-    start_[j] = blend[j];
-  }
+  const int most_faces = 50 + 8 * num_blocks_;
   BlendReport report;
-  UpdateGradient(problem, blend);
+  for (int j = 0; j < num_blocks_; ++j) {
+    is_free_[static_cast<size_t>(j)] = blend[j] > 0 ? 1 : 0;
+    start_[static_cast<size_t>(j)] = blend[j];
+  }
+  for (int j = 0; j < num_blocks_; ++j) {
+    if (blend[j] > 0 && !Use(problem, j, blend)) return report;
+  }
+  UpdateUsedGradient(problem, blend);
   if (StartIsMatched(problem, blend)) {
     report.converged = true;
     return report;
   }
-  double last_value = std::numeric_limits<double>::infinity();
+  double last_objective = std::numeric_limits<double>::infinity();
   for (report.faces = 1; report.faces <= most_faces; ++report.faces) {
     CollectFree(blend);
-    UpdateGradient(problem, blend);
+    UpdateUsedGradient(problem, blend);
     if (!free_.empty() && !MoveTowards(MinimiserOnFace(problem), blend)) continue;
-    UpdateGradient(problem, blend);
+    UpdateUsedGradient(problem, blend);
+    UpdateFullGradient(problem, blend);
     // Freeing one weight in every group at once is quick; where that gained nothing (degenerate
     // corners), one at a time always does.
-    double objective = std::sqrt(value_ + problem.delta_squared);
-    for (int j = 0; j < blocks; ++j)
-      objective += problem.nearness[j] * blend[j];
-    const bool gained = objective < last_value * (1 - 1e-14);
-    last_value = objective;
+    const double objective = Objective(problem, blend);
+    const bool gained = objective < last_objective * (1 - 1e-14);
+    last_objective = objective;
     report.violation = ReleaseBound(problem, blend, !gained);
     if (report.violation == 0) {
       report.converged = true;
       break;
     }
   }
+  report.used = static_cast<int>(used_.size());
   return report;
 }
 

@@ -1,10 +1,12 @@
 // The convex step (eq. 20) with the transforms eliminated: blend weights B on a product of G
 // simplices,
-//     minimise  sqrt(f(B)) + l_near . B,     f(B) = 1/2 B^T Q B - l^T B + c0,
+//     minimise  sqrt(f(B)) + l_near . B,     f(B) = 1/2 B^T Q B + 1/2 |A B - a|^2,
 // by an active-set method that is exact on each face: on the affine hull of the free weights the
-// minimiser has a closed form, so the loop is finite and needs no line search. At a point where f
-// vanishes (targets that the examples match exactly) the square root has a kink; f + delta^2 with
-// a tiny delta stands for it, which moves B by about delta / sqrt(energy scale).
+// minimiser has a closed form, so the loop is finite and needs no line search. Faces are worked on
+// in the coordinates of the few weights in use; the others are priced, one product, when a face
+// is done. At a point where f vanishes (targets that the examples match exactly) the square root
+// has a kink; f + delta^2 with a tiny delta stands for it, which moves B by about
+// delta / sqrt(energy scale).
 //
 // Where several B serve equally well (an example that moves no handle, shapes equal over a group)
 // rounding would choose, differently in each frame. A proximal term rho/2 |B - B_start|^2 within f
@@ -13,25 +15,28 @@
 // is kept as it is: what is left of f there is noise, and to follow it would be to drift.
 #pragma once
 
+#include "core/aligned_vector.h"
+#include "solve/kernels/solve_kernels.h"
+
 #include <cstdint>
 #include <vector>
 
 namespace limber {
 
-// The quadratic form, asked for by columns: only those of weights that become free are computed.
+// The quadratic form, asked for by columns: only those of weights that are used are computed.
 class QuadraticColumns {
  public:
   virtual ~QuadraticColumns() = default;
-  // Q(:, block), G*S numbers; valid until the next alternation.
-  virtual const double* Column(int block) = 0;
+  // Q(:, block) into G*S numbers, padded to whole chunks with zeros.
+  virtual void Column(int block, double* column) = 0;
 };
 
 struct BlendProblem {
-  int num_groups = 0, num_shapes = 0;
-  QuadraticColumns* quadratic = nullptr;  // Q
-  const double* linear = nullptr;         // l, G*S
+  QuadraticColumns* quadratic = nullptr;  // Q, positive semi-definite
+  int num_rows = 0;                       // of A
+  const double* rows = nullptr;           // A, [num_rows][G*S padded with zeros]
+  const double* goal = nullptr;           // a, [num_rows]
   const double* nearness = nullptr;       // lambda sqrt(D), G*S, all >= 0
-  double constant = 0;                    // c0
   double delta_squared = 0;               // > 0
   double proximal = 0;                    // rho > 0
   double matched = 0;                     // f at or below which the targets count as matched
@@ -39,37 +44,66 @@ struct BlendProblem {
 
 struct BlendReport {
   int faces = 0;           // faces visited
+  int used = 0;            // weights that were free at some time: columns of Q computed
   double violation = 0;    // largest negative multiplier left, relative to the largest gradient
   bool converged = false;  // false: the visit limit was reached; B is feasible all the same
 };
 
 class BlendWeightStep {
  public:
-  // All the memory that Solve will ever need: G*S square.
-  BlendWeightStep(int num_groups, int num_shapes);
+  // All the memory that Solve will ever need: G*S numbers for each weight that may be in use, at
+  // most max_rows rows of A.
+  BlendWeightStep(const SolveKernels& kernels, int num_groups, int num_shapes, int max_rows);
+
+  // The columns of Q have changed (those of A too): forgets what was computed of them. Solve keeps
+  // them otherwise.
+  void ForgetColumns();
 
   // blend: in a feasible start (the last frame's answer), out the minimiser. Weights that end at
   // their bound are exactly zero and each group sums to one within rounding.
   BlendReport Solve(const BlendProblem& problem, double* blend);
 
  private:
-  struct Step;
 
+  bool Use(const BlendProblem& problem, int block, const double* blend);
+  void Place(size_t slot);
+  void DropUnused(const double* blend);
   bool StartIsMatched(const BlendProblem& problem, const double* blend) const;
   void CollectFree(const double* blend);
-  void UpdateGradient(const BlendProblem& problem, const double* blend);
-  Step MinimiserOnFace(const BlendProblem& problem);
-  bool MoveTowards(const Step& step, double* blend);
+  void UpdateUsedGradient(const BlendProblem& problem, const double* blend);
+  void UpdateFullGradient(const BlendProblem& problem, const double* blend);
+  void BuildHessian(const BlendProblem& problem);
+  bool MinimiserOnFace(const BlendProblem& problem);
+  bool MoveTowards(bool bounded, double* blend);
   double ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only);
+  double Objective(const BlendProblem& problem, const double* blend) const;
 
-  int num_groups_, num_shapes_;
-  std::vector<uint8_t> is_free_;  // [G*S]
-  std::vector<int> free_;         // free weights that are not their group's reference
-  std::vector<int> reference_;    // [G]: the free weight that the others of the group trade with
-  std::vector<double> gradient_;  // [G*S] of f: Q B - l + rho (B - B_start)
-  std::vector<double> hessian_;   // reduced, free x free
-  std::vector<double> newton_, slope_, direction_;  // [free]
-  std::vector<double> start_;                       // [G*S]: B at the call
+  double* column(int slot) { return columns_.data() + static_cast<size_t>(slot) * padded_; }
+
+  const SolveKernels& kernels_;
+  int num_groups_, num_shapes_, num_blocks_, max_used_;
+  size_t padded_, row_stride_, used_stride_;  // G*S, max_rows and max_used in whole chunks
+
+  // The weights in use, by slot.
+  std::vector<int> used_;          // block of each slot
+  std::vector<int> slot_;          // [G*S]: slot of each block, -1 for none
+  AlignedVector<double> columns_;    // Q(:, block), [max_used][padded]
+  AlignedVector<double> loads_;      // A(:, block), [max_used][row_stride]
+  AlignedVector<double> load_rows_;  // the same transposed, [row_stride][used_stride]
+  AlignedVector<double> quadratic_;  // Q among them, [max_used][used_stride]
+  AlignedVector<double> products_;   // Q + A^T A among them, [max_used][used_stride]
+
+  std::vector<uint8_t> is_free_;    // [G*S]
+  std::vector<int> free_;           // free weights that are not their group's reference
+  std::vector<int> reference_;      // [G]: the free weight that the others of the group trade with
+  AlignedVector<double> gradient_;    // [padded] of f at B, the proximal term included
+  AlignedVector<double> residual_;    // A B - a, [row_stride]
+  AlignedVector<double> start_;       // [G*S]: B at the call
+  AlignedVector<double> hessian_;     // reduced, free x free in columns
+  AlignedVector<double> weights_;        // [used_stride]: B by slot
+  AlignedVector<double> used_gradient_;  // [used_stride]: of f by slot, less the proximal term
+  AlignedVector<double> difference_;  // [used_stride], one row of products_ less its reference's
+  AlignedVector<double> newton_, slope_, direction_;  // [free padded]
   double value_ = 0;                                // f(B), the proximal term included
 };
 

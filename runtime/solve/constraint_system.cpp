@@ -12,12 +12,13 @@ ConstraintSystem ConstraintSystem::Create(Eigen::MatrixXd modes) {
   const Eigen::MatrixXd centred = modes.rowwise() - modes.colwise().mean();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(centred * centred.transpose());
   const double threshold = kCut * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  Eigen::VectorXd inverse = Eigen::VectorXd::Zero(c);
-  for (Eigen::Index i = 0; i < c; ++i) {
-    if (eigen.eigenvalues()[i] > threshold) inverse[i] = 1 / eigen.eigenvalues()[i];
-  }
+  Eigen::Index rank = 0;  // eigenvalues ascend: the last `rank` of them count
+  while (rank < c && eigen.eigenvalues()[c - 1 - rank] > threshold)
+    ++rank;
   ConstraintSystem system;
-  system.response = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  system.root = eigen.eigenvectors().rightCols(rank) *
+                eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  system.response = system.root * system.root.transpose();
   const Eigen::RowVectorXd mean = Eigen::RowVectorXd::Constant(c, 1.0 / static_cast<double>(c));
   system.translation = mean - (mean * modes) * modes.transpose() * system.response;
   system.modes = std::move(modes);

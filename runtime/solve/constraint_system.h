@@ -15,6 +15,7 @@ namespace limber {
 struct ConstraintSystem {
   Eigen::MatrixXd modes;           // C: c x r
   Eigen::MatrixXd response;        // W: c x c, symmetric positive semi-definite, W 1 = 0
+  Eigen::MatrixXd root;            // L: c x q with W = L L^T, q <= c - 1 its rank
   Eigen::RowVectorXd translation;  // w: 1 x c, sums to one
 
   // modes: rows of the pinned points, without the translation's column.

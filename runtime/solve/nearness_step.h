@@ -2,10 +2,10 @@
 // local/global iteration of a FAST model (Jacobson et al. 2012) per shape, warm-started.
 #pragma once
 
+#include "core/aligned_vector.h"
 #include "solve/pose_model.h"
 
-#include <Eigen/Core>
-
+#include <cstdint>
 #include <vector>
 
 namespace limber {
@@ -13,25 +13,29 @@ namespace limber {
 template <int K>
 class NearnessStep {
  public:
-  using Rotation = Eigen::Matrix<double, K, K>;
-  using Modes = Eigen::Matrix<double, Eigen::Dynamic, K, Eigen::RowMajor>;
-
   explicit NearnessStep(const PoseModel& model);
 
-  // targets: X, c x k, rig space. rotations: [G*S], read, and updated unless `hold_rotations`.
+  // All rotations the identity.
+  void Reset();
+
+  // targets: X, [c][K], rig space. hold_rotations: stay at the identity (call Reset before).
   // nearness: out, D_gs = E_g(q_s, R, p_s), [G*S], in squared rig units.
-  void Run(const PoseModel& model, const Modes& targets, bool hold_rotations,
-           std::vector<Rotation>* rotations, double* nearness);
+  void Run(const PoseModel& model, const PinSet& pins, const double* targets, bool hold_rotations,
+           double* nearness);
 
  private:
-  void SolveModes(const PoseModel& model, int shape, const Modes& targets,
-                  const std::vector<Rotation>& rotations);
-  Rotation FitGroup(const PoseModel& model, int shape, int group) const;
-  double GroupEnergy(const PoseModel& model, int shape, int group, const Rotation& rotation);
+  void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets);
+  void FitRotations(const PoseModel& model, size_t shape);
+  double* Rotations(size_t shape) { return rotations_.data() + shape * shape_planes_; }
 
-  Modes modes_;         // z, r1 x k
-  Modes gap_, answer_;  // X - C b and y, c x k
-  Modes stacked_;       // [z; -R^T], (r1 + k) x k
+  const SolveKernels& kernels_;
+  size_t shape_planes_;                 // numbers that a shape's rotations take
+  AlignedVector<double> rotations_;       // planes over groups, shape after shape
+  AlignedVector<double> modes_;           // z, [K][r1 padded]
+  AlignedVector<double> gaps_, answers_;  // X - C b and y, [c][K]
+  AlignedVector<double> fits_;            // planes over groups
+  AlignedVector<double> energies_;        // [G padded]
+  std::vector<uint8_t> failed_;         // [G padded]
 };
 
 extern template class NearnessStep<2>;

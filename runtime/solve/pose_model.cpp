@@ -1,5 +1,9 @@
 #include "solve/pose_model.h"
 
+#include "core/out_of_memory.h"
+
+#include <algorithm>
+
 namespace limber {
 namespace {
 
@@ -13,52 +17,155 @@ TableMap MapTable(const std::vector<float>& table, Eigen::Index rows, Eigen::Ind
   return TableMap(table.data(), rows, columns);
 }
 
-// Rows of the pinned handles of a [H][1 + modes] table, without the translation's column.
-Eigen::MatrixXd PinnedRows(const TableMap& handle_modes, const std::vector<int>& pinned) {
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(pinned.size()), handle_modes.cols() - 1);
-  for (size_t c = 0; c < pinned.size(); ++c) {
-    rows.row(static_cast<Eigen::Index>(c)) =
-        handle_modes.row(pinned[c]).tail(rows.cols()).cast<double>();
+// The K columns of one block, rows (i, a), as planes; block i goes to place `offset` + i.
+template <int K>
+void LayOutStrip(const Eigen::Ref<const Eigen::MatrixXd>& columns, size_t offset, double* strip) {
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    const size_t i = offset + static_cast<size_t>(row / K), a = static_cast<size_t>(row % K);
+    for (size_t b = 0; b < K; ++b)
+      strip[PlaneIndex<K>(i, b, a)] = columns(row, static_cast<Eigen::Index>(b));
   }
-  return rows;
 }
 
-// K_z folded over its axes against the constraints: G*S blocks, tr(V_i^T W V_j) without rotations.
-Eigen::MatrixXd ConstraintGram(const PoseModel& model, bool folded) {
-  const Eigen::MatrixXd answered = model.constraint_load * model.constraints.response;
-  if (!folded) return answered * model.constraint_load.transpose();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(model.num_blocks, model.num_blocks);
-  using Strided =
-      Eigen::Map<const Eigen::MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
-  const Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic> stride(model.constraint_load.rows(), model.k);
-  for (int axis = 0; axis < model.k; ++axis) {
-    const Strided left(answered.data() + axis, model.num_blocks, answered.cols(), stride);
-    const Strided right(model.constraint_load.data() + axis, model.num_blocks,
-                        model.constraint_load.cols(), stride);
-    gram += left * right.transpose();
+// Group by group H = F^T F + K_z K_z^T.
+template <int K>
+void LayOutNear(const RigTables& tables, const Eigen::MatrixXd& gram, PoseModel* model) {
+  const TableMap edges = MapTable(tables.mode_edges, gram.rows(), model->num_modes);
+  size_t widest = 0;
+  for (int j = 0; j < model->num_blocks; j += model->num_shapes)
+    widest = std::max(widest, model->near_chunks(j));
+  model->near_stride = widest * kBlockLanes * K * K;
+  model->near.assign(model->near_stride * static_cast<size_t>(model->num_blocks), 0.0);
+  const Eigen::Index rows = Eigen::Index{model->num_shapes} * K;
+  for (int j = 0; j < model->num_blocks; j += model->num_shapes) {
+    const Eigen::Index first = Eigen::Index{j} * K;
+    const Eigen::MatrixXd part = edges.middleRows(first, rows).cast<double>();
+    const Eigen::MatrixXd near = part * part.transpose() + gram.block(first, first, rows, rows);
+    const size_t offset = static_cast<size_t>(j) - model->near_first(j) * kBlockLanes;
+    for (int s = 0; s < model->num_shapes; ++s) {
+      LayOutStrip<K>(near.middleCols<K>(Eigen::Index{s} * K), offset,
+                     model->near.data() + static_cast<size_t>(j + s) * model->near_stride);
+    }
   }
-  return gram;
 }
 
-void BuildGram(const RigTables& tables, PoseModel* model) {
-  const Eigen::Index columns =
-      model->num_blocks * (tables.has_rotations ? static_cast<Eigen::Index>(model->k) : 1);
+// F^T F.
+template <int K>
+void LayOutGram(const RigTables& tables, PoseModel* model) {
+  const Eigen::Index columns = Eigen::Index{model->num_blocks} * K;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns, columns);
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(
+      MapTable(tables.residual_factor, tables.residual_rank, columns).cast<double>().transpose());
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  const auto blocks = static_cast<size_t>(model->num_blocks);
+  model->gram_stride = model->chunks() * kBlockLanes * K * K;
+  model->gram.assign(model->gram_stride * blocks, 0.0);
+  for (size_t j = 0; j < blocks; ++j) {
+    LayOutStrip<K>(gram.middleCols<K>(static_cast<Eigen::Index>(j) * K), 0,
+                   model->gram.data() + j * model->gram_stride);
+  }
+  LayOutNear<K>(tables, gram, model);
+}
+
+// Without rotations the Gram matrix of whole shapes is enough: a number a pair of blocks.
+void LayOutFoldedGram(const RigTables& tables, PoseModel* model) {
+  const Eigen::Index blocks = model->num_blocks;
   const Eigen::MatrixXd factor =
-      MapTable(tables.residual_factor, tables.residual_rank, columns).cast<double>();
-  model->gram = Eigen::MatrixXd::Zero(columns, columns);
-  model->gram.selfadjointView<Eigen::Lower>().rankUpdate(factor.transpose());
-  model->gram.triangularView<Eigen::StrictlyUpper>() = model->gram.transpose();
-  model->gram += ConstraintGram(*model, !tables.has_rotations);
+      MapTable(tables.residual_factor, tables.residual_rank, blocks).cast<double>();
+  model->gram_stride = PaddedSize(static_cast<size_t>(blocks));
+  model->gram.assign(model->gram_stride * static_cast<size_t>(blocks), 0.0);
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
+      model->gram.data(), blocks, blocks,
+      Eigen::OuterStride<>(static_cast<Eigen::Index>(model->gram_stride)))
+      .noalias() = factor.transpose() * factor;
+}
+
+void LayOutTransforms(const RigTables& tables, PoseModel* model) {
+  const Eigen::Index n = tables.num_transform_rows(), r = tables.num_modes, k = model->k;
+  const TableMap transforms = MapTable(tables.mode_transforms, n, 1 + r);
+  const TableMap edges = MapTable(tables.mode_edges, Eigen::Index{model->num_blocks} * k, r);
+  const size_t chunks = model->row_chunks(), planes = static_cast<size_t>(k) * kBlockLanes;
+  model->transform_response.assign(
+      chunks * planes * static_cast<size_t>(model->num_blocks), 0.0f);
+  const Eigen::MatrixXd modes = transforms.rightCols(r).cast<double>();
+  for (Eigen::Index row = 0; row < edges.rows(); ++row) {
+    const Eigen::VectorXd answer = modes * edges.row(row).transpose().cast<double>();
+    float* out = model->transform_response.data() +
+                 static_cast<size_t>(row / k) * chunks * planes +
+                 static_cast<size_t>(row % k) * kBlockLanes;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      out[static_cast<size_t>(i) / kBlockLanes * planes + static_cast<size_t>(i) % kBlockLanes] =
+          static_cast<float>(answer[i]);
+    }
+  }
+}
+
+void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
+  const auto shapes = static_cast<size_t>(model->num_shapes);
+  const auto groups = static_cast<size_t>(model->num_groups);
+  const auto k = static_cast<size_t>(model->k), r1 = static_cast<size_t>(model->num_single_modes);
+  const size_t stride = model->single_stride();
+  model->single_edges_by_mode.assign(shapes * groups * k * stride, 0.0);
+  const size_t shape_size = model->group_chunks() * r1 * k * kBlockLanes;
+  model->single_edges_by_group.assign(shapes * shape_size, 0.0);
+  const float* edge = tables.single_edges.data();
+  for (size_t s = 0; s < shapes; ++s) {
+    for (size_t g = 0; g < groups; ++g) {
+      for (size_t a = 0; a < k; ++a) {
+        for (size_t m = 0; m < r1; ++m, ++edge) {
+          model->single_edges_by_mode[((s * groups + g) * k + a) * stride + m] =
+              static_cast<double>(*edge);
+          model->single_edges_by_group[s * shape_size +
+                                       ((g / kBlockLanes * r1 + m) * k + a) * kBlockLanes +
+                                       g % kBlockLanes] = static_cast<double>(*edge);
+        }
+      }
+    }
+  }
+}
+
+void LayOutSingleFactors(const RigTables& tables, PoseModel* model) {
+  const auto shapes = static_cast<size_t>(model->num_shapes);
+  const auto groups = static_cast<size_t>(model->num_groups);
+  const size_t m = static_cast<size_t>(model->num_single_modes) + static_cast<size_t>(model->k);
+  const size_t packed = m * (m + 1) / 2;
+  const size_t shape_size = model->group_chunks() * packed * kBlockLanes;
+  model->single_factors.assign(shapes * shape_size, 0.0f);
+  const float* factor = tables.single_group_factors.data();
+  for (size_t s = 0; s < shapes; ++s) {
+    for (size_t g = 0; g < groups; ++g) {
+      for (size_t i = 0; i < packed; ++i) {
+        model->single_factors[s * shape_size +
+                              (g / kBlockLanes * packed + i) * kBlockLanes + g % kBlockLanes] =
+            *factor++;
+      }
+    }
+  }
 }
 
 // tr H summed over shapes, from H = F^T F + K_z K_z^T.
 double SumOfEdgeEnergies(const RigTables& tables) {
   double sum = 0;
   for (float value : tables.residual_factor)
-    sum += static_cast<double>(value) * value;
+    sum += static_cast<double>(value) * static_cast<double>(value);
   for (float value : tables.mode_edges)
-    sum += static_cast<double>(value) * value;
+    sum += static_cast<double>(value) * static_cast<double>(value);
   return sum;
+}
+
+void LayOutTables(PoseModel* model) {
+  const RigTables& tables = model->rig->tables();
+  if (model->is_folded) {
+    LayOutFoldedGram(tables, model);
+  } else if (model->k == 2) {
+    LayOutGram<2>(tables, model);
+  } else {
+    LayOutGram<3>(tables, model);
+  }
+  LayOutTransforms(tables, model);
+  if (model->num_shapes == 1) return;  // nothing to be near to
+  LayOutSingleEdges(tables, model);
+  LayOutSingleFactors(tables, model);
 }
 
 }  // namespace
@@ -66,45 +173,37 @@ double SumOfEdgeEnergies(const RigTables& tables) {
 Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const Rig> rig) {
   if (rig == nullptr) return Error(StatusCode::kInvalidArgument, "no rig was given");
   const RigTables& tables = rig->tables();
+  const int blocks = tables.num_groups * tables.num_shapes();
+  const int columns = blocks * (tables.has_rotations ? tables.dimension : 1);
+  if (columns > kMaxGramColumns) {
+    return Error(StatusCode::kLimitExceeded,
+                 "%s: %d groups, %d shapes and %d axes make %d columns; expected at most %d: use "
+                 "fewer shapes, fewer handles, or bake without rotations",
+                 rig->name().c_str(), tables.num_groups, tables.num_shapes(),
+                 tables.has_rotations ? tables.dimension : 1, columns, kMaxGramColumns);
+  }
   std::shared_ptr<PoseModel> model(new PoseModel());
   model->k = tables.dimension;
   model->num_groups = tables.num_groups;
   model->num_shapes = tables.num_shapes();
   model->num_modes = tables.num_modes;
   model->num_single_modes = tables.num_single_modes;
-  model->num_blocks = model->num_groups * model->num_shapes;
-  const int columns = model->num_blocks * (tables.has_rotations ? model->k : 1);
-  if (columns > kMaxGramColumns) {
-    return Error(StatusCode::kLimitExceeded,
-                 "%s: %d groups, %d shapes and %d axes make %d columns; expected at most %d: use "
-                 "fewer shapes, fewer handles, or bake without rotations",
-                 rig->name().c_str(), model->num_groups, model->num_shapes,
-                 tables.has_rotations ? model->k : 1, columns, kMaxGramColumns);
-  }
+  model->num_blocks = blocks;
+  model->is_folded = !tables.has_rotations;
+  std::vector<int> held;
   for (int h = 0; h < tables.num_handles(); ++h) {
     const bool pinned = tables.handles[static_cast<size_t>(h)].pinned;
-    model->pin_of_handle.push_back(pinned ? static_cast<int>(model->pinned.size()) : -1);
-    if (pinned) model->pinned.push_back(h);
+    model->pin_of_handle.push_back(pinned ? static_cast<int>(held.size()) : -1);
+    if (pinned) held.push_back(h);
   }
-  if (model->pinned.empty()) {
+  if (held.empty()) {
     return Error(StatusCode::kNoHandles, "%s: no handle is pinned; pin at least one",
                  rig->name().c_str());
   }
-  const Eigen::Index handles = tables.num_handles(), r = tables.num_modes;
-  const Eigen::Index r1 = tables.num_single_modes;
-  model->constraints = ConstraintSystem::Create(
-      PinnedRows(MapTable(tables.handle_modes, handles, 1 + r), model->pinned));
-  for (int s = 0; s < model->num_shapes; ++s) {
-    const TableMap rows(tables.single_handle_modes.data() + s * handles * (1 + r1), handles,
-                        1 + r1);
-    model->single_constraints.push_back(ConstraintSystem::Create(PinnedRows(rows, model->pinned)));
-  }
-  model->mode_edges = MapTable(tables.mode_edges, Eigen::Index{model->num_blocks} * model->k, r);
-  model->mode_transforms = MapTable(tables.mode_transforms, tables.num_transform_rows(), 1 + r);
-  model->constraint_load = model->mode_edges.cast<double>() * model->constraints.modes.transpose();
-  BuildGram(tables, model.get());
   model->energy_scale = 0.5 * SumOfEdgeEnergies(tables) / model->num_shapes;
+  model->pins = PinSet::Create(tables, std::move(held));
   model->rig = std::move(rig);
+  LayOutTables(model.get());
   return std::shared_ptr<const PoseModel>(std::move(model));
 }
 

@@ -1,9 +1,14 @@
-// What follows from a rig and its pinned handles, shared by all its characters. Immutable.
+// What follows from a rig, laid out for the kernels and shared by all its characters. Immutable.
+//
+// Everything that a frame needs is a sum over blocks (g, s), eight of which make a chunk
+// (kernels/solve_kernels.h): neither the mesh's size nor the number of modes appears in it.
 #pragma once
 
+#include "core/aligned_vector.h"
 #include "core/status.h"
 #include "rig/rig.h"
-#include "solve/constraint_system.h"
+#include "solve/kernels/solve_kernels.h"
+#include "solve/pin_set.h"
 
 #include <Eigen/Core>
 
@@ -14,27 +19,58 @@ namespace limber {
 
 class PoseModel {
  public:
-  // Builds the matrices below, in double from the rig's single-precision tables: time and memory
-  // grow with (G*S*k)^2. Errors: kNoHandles, kLimitExceeded.
+  // Time and memory grow with (G*S*k)^2, in double from the rig's single-precision tables. Errors:
+  // kInvalidArgument (no rig), kNoHandles, kLimitExceeded, kOutOfMemory.
   static Result<std::shared_ptr<const PoseModel>> Create(std::shared_ptr<const Rig> rig);
 
   std::shared_ptr<const Rig> rig;
   int k = 0, num_groups = 0, num_shapes = 0, num_modes = 0, num_single_modes = 0;  // k G S r r1
-  int num_blocks = 0;              // G*S, numbered g*S + s
-  std::vector<int> pinned;         // c handles, ascending
-  std::vector<int> pin_of_handle;  // [H]: index into pinned, -1 for a free handle
+  int num_blocks = 0;                // N = G*S, numbered g*S + s
+  std::vector<int> pin_of_handle;    // [H]: row of `pins`, -1 for a free handle
+  std::shared_ptr<const PinSet> pins;  // the handles that are pinned in the rig
+  double energy_scale = 0;  // 1/2 mean over shapes of tr H: the size of one example's edges
 
-  ConstraintSystem constraints;                      // on the full model
-  std::vector<ConstraintSystem> single_constraints;  // S, on the models of one shape
-  // Rows (g, s, axis) of K_z C^T: what the examples' edges ask of the pinned points. G*S*k x c.
-  Eigen::MatrixXd constraint_load;
-  // The energy left after the transforms are eliminated: blocks F_i^T F_j + V_i^T W V_j, of which
-  // Q_ij = tr(R_i gram_ij R_j^T). G*S*k square; folded to G*S square for a rig without rotations.
-  Eigen::MatrixXd gram;
-  // Tables again with the long side contiguous, so that products run over it.
-  Eigen::MatrixXf mode_edges;       // G*S*k x r, column-major
-  Eigen::MatrixXf mode_transforms;  // n x (1 + r), column-major
-  double energy_scale = 0;          // 1/2 mean over shapes of tr H: the size of one example's edges
+  size_t chunks() const { return NumChunks(static_cast<size_t>(num_blocks)); }
+
+  size_t group_chunks() const { return NumChunks(static_cast<size_t>(num_groups)); }
+
+  size_t row_chunks() const {
+    return NumChunks(static_cast<size_t>(rig->tables().num_transform_rows()));
+  }
+
+  // Numbers of a mode table's row, padded.
+  size_t single_stride() const { return PaddedSize(static_cast<size_t>(num_single_modes)); }
+
+  // F^T F: planes of block j's column, rows over all blocks; of a folded rig (without rotations)
+  // one number a block.
+  const double* GramColumn(int block) const {
+    return gram.data() + static_cast<size_t>(block) * gram_stride;
+  }
+
+  // Columns of H, within the block's own group, from chunk near_first(block) on.
+  const double* NearColumn(int block) const {
+    return near.data() + static_cast<size_t>(block) * near_stride;
+  }
+
+  size_t near_first(int block) const {
+    return static_cast<size_t>(block / num_shapes * num_shapes) / kBlockLanes;
+  }
+
+  size_t near_chunks(int block) const {
+    const int group = block / num_shapes;
+    return NumChunks(static_cast<size_t>((group + 1) * num_shapes)) - near_first(block);
+  }
+
+  bool is_folded = false;
+  size_t gram_stride = 0, near_stride = 0;
+  AlignedVector<double> gram, near;
+  // Phi_1 K_z^T: the transforms that block j's edges ask for. [j][row chunk][k][8].
+  AlignedVector<float> transform_response;
+
+  // The models of one shape (nearness): shape s from offset s * (size / S) on.
+  AlignedVector<double> single_edges_by_mode;   // [S][G][k][r1 padded]
+  AlignedVector<double> single_edges_by_group;  // [S][group chunk][r1][k][8]
+  AlignedVector<float> single_factors;          // [S][group chunk][packed rows][8]
 
  private:
   PoseModel() = default;

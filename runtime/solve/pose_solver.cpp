@@ -18,21 +18,30 @@ constexpr double kRestTolerance = 1e-9;
 constexpr int kMaxIterations = 1'000'000;
 constexpr float kFarthestTarget = 1e6f;  // rig units: sizes of the character
 
-// scale * basis * [A | t] for every block of T^ (n x K), 3x4 row-major, with A the block
-// transposed; in the plane the third rig coordinate is zero and stays so.
+// scale * basis * [A | t] for every block of T^, 3x4 row-major, with A the block transposed; in the
+// plane the third rig coordinate is zero and stays so. transforms: [row chunk][K][8].
 template <int K>
-void StoreMatrices(const RigSpace& space,
-                   const Eigen::Matrix<double, Eigen::Dynamic, K>& transforms, float* matrices) {
-  const Eigen::Map<const Eigen::Matrix3f> basis(space.basis.data());
-  const Eigen::Matrix<double, 3, K> to_mesh =
-      static_cast<double>(space.scale) * basis.cast<double>().leftCols<K>();
-  for (Eigen::Index row = 0; row < transforms.rows(); row += K + 1, matrices += 12) {
-    const Eigen::Matrix<double, 3, K + 1> affine =
-        to_mesh * transforms.template middleRows<K + 1>(row).transpose();
-    Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> out(matrices);
-    out.setZero();
-    out.template leftCols<K>() = affine.template leftCols<K>().template cast<float>();
-    out.col(3) = affine.col(K).template cast<float>();
+void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transforms,
+                   std::vector<float>* matrices) {
+  double to_mesh[3][K];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    for (size_t c = 0; c < K; ++c)
+      to_mesh[axis][c] = static_cast<double>(space.scale) * static_cast<double>(space.basis[3 * c + axis]);
+  }
+  float* matrix = matrices->data();
+  for (size_t first = 0; first < matrices->size() / 12 * (K + 1); first += K + 1, matrix += 12) {
+    for (size_t i = 0; i <= K; ++i) {
+      const size_t row = first + i;
+      const double* entries =
+          transforms.data() + row / kBlockLanes * K * kBlockLanes + row % kBlockLanes;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        double sum = 0;
+        for (size_t c = 0; c < K; ++c)
+          sum += to_mesh[axis][c] * entries[c * kBlockLanes];
+        matrix[axis * 4 + (i < K ? i : 3)] = static_cast<float>(sum);
+      }
+    }
+    if (K == 2) matrix[2] = matrix[6] = matrix[10] = 0;
   }
 }
 
@@ -59,18 +68,12 @@ class PoseState::Impl {
   }
 
   void StoreTarget(int handle, Vec3 position);
-
-  Eigen::Matrix<double, Eigen::Dynamic, 2> transforms2_;  // T^, one of the two is used
-  Eigen::Matrix<double, Eigen::Dynamic, 3> transforms3_;
 };
 
 PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model)
     : model(std::move(shared_model)),
       alternation(MakeAlternation(*model)) {
   const RigTables& tables = model->rig->tables();
-  const auto rows = static_cast<Eigen::Index>(tables.num_transform_rows());
-  if (model->k == 2) transforms2_.resize(rows, 2);
-  if (model->k == 3) transforms3_.resize(rows, 3);
   targets.resize(tables.handles.size());
   matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
   ResetToRest();
@@ -92,9 +95,9 @@ void PoseState::Impl::StoreTarget(int handle, Vec3 position) {
     rig_position[axis] = turned / static_cast<double>(space.scale);
   }
   std::visit(
-      [pin, &rig_position](auto& unknowns) {
-        for (int axis = 0; axis < unknowns.targets.cols(); ++axis) {
-          unknowns.targets(pin, axis) = rig_position[axis];
+      [&](auto& unknowns) {
+        for (int axis = 0; axis < model->k; ++axis) {
+          unknowns.targets[static_cast<size_t>(pin * model->k + axis)] = rig_position[axis];
         }
       },
       alternation);
@@ -188,11 +191,9 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
 void PoseState::Impl::UpdateMatrices() {
   const RigSpace& space = model->rig->tables().space;
   if (model->k == 2) {
-    std::get<Alternation<2>>(alternation).Transforms(*model, &transforms2_);
-    StoreMatrices(space, transforms2_, matrices.data());
+    StoreMatrices<2>(space, std::get<Alternation<2>>(alternation).Transforms(*model), &matrices);
   } else {
-    std::get<Alternation<3>>(alternation).Transforms(*model, &transforms3_);
-    StoreMatrices(space, transforms3_, matrices.data());
+    StoreMatrices<3>(space, std::get<Alternation<3>>(alternation).Transforms(*model), &matrices);
   }
 }
 
@@ -240,8 +241,10 @@ SkinTransforms PoseState::transforms() const {
 }
 
 std::span<const double> PoseState::blend_weights() const {
-  return std::visit([](const auto& unknowns) { return std::span<const double>(unknowns.blend()); },
-                    impl_->alternation);
+  const auto count = static_cast<size_t>(impl_->model->num_blocks);
+  return std::visit(
+      [count](const auto& unknowns) { return std::span<const double>(unknowns.blend().data(), count); },
+      impl_->alternation);
 }
 
 }  // namespace limber

@@ -27,17 +27,22 @@ class AlternationTest : public testing::Test {
     model_ = PoseModel::Create(rig_).value();
     RebuildEdges(raw);
     alternation_.emplace(*model_);
-    for (size_t c = 0; c < model_->pinned.size(); ++c) {
-      const RigHandle& handle = rig_->tables().handles[static_cast<size_t>(model_->pinned[c])];
+    for (size_t c = 0; c < model_->pins->size(); ++c) {
+      const RigHandle& handle = rig_->tables().handles[static_cast<size_t>(model_->pins->handles[c])];
       const Vec3 x = rig_->ToRig(handle.rest_position);
-      alternation_->targets.row(static_cast<Eigen::Index>(c)) << x.x, x.y, x.z;
+      Targets().row(static_cast<Eigen::Index>(c)) << x.x, x.y, x.z;
       pinned_vertices_.push_back(static_cast<int>(handle.vertex));
     }
     alternation_->ResetToRest(*model_);
     // Somewhere no example is: the top handle bent sideways and pulled.
-    alternation_->targets.row(1) += Eigen::RowVector3d(0.3, -0.1, 0.15);
+    Targets().row(1) += Eigen::RowVector3d(0.3, -0.1, 0.15);
     for (int i = 0; i < 12; ++i)
       outcome_ = alternation_->Run(*model_, {});
+  }
+
+  // X, c x 3.
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> Targets() {
+    return {alternation_->targets.data(), static_cast<Eigen::Index>(model_->pins->size()), 3};
   }
 
   // The bake's edges and shapes once more, from the weights that it stored.
@@ -63,13 +68,19 @@ class AlternationTest : public testing::Test {
     }
   }
 
-  deform::ExampleState State() const {
+  deform::ExampleState State() {
     deform::ExampleState state;
-    state.blend = alternation_->blend();
-    for (const auto& rotation : alternation_->rotations())
-      state.rotations.push_back(rotation);
-    Eigen::Matrix<double, Eigen::Dynamic, 3> transforms(rig_->tables().num_transform_rows(), 3);
-    alternation_->Transforms(*model_, &transforms);
+    state.blend.assign(alternation_->blend().begin(), alternation_->blend().end());
+    state.blend.resize(static_cast<size_t>(model_->num_blocks));
+    for (int block = 0; block < model_->num_blocks; ++block)
+      state.rotations.emplace_back(alternation_->rotation(block));
+    const AlignedVector<double>& planes = alternation_->Transforms(*model_);
+    Eigen::MatrixXd transforms(rig_->tables().num_transform_rows(), 3);
+    for (Eigen::Index row = 0; row < transforms.rows(); ++row) {
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        transforms(row, c) = planes[static_cast<size_t>((row / 8 * 3 + c) * 8 + row % 8)];
+      }
+    }
     state.q = deform::BuildPaperTensors(shapes_, weights_, {}, 1).skinning * transforms;
     return state;
   }
@@ -98,7 +109,7 @@ TEST_F(AlternationTest, Transforms_AreTheMinimiserOfThePaperTensors) {
   const deform::PaperTensors tensors =
       deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
   const Eigen::MatrixXd slow =
-      tensors.Minimise(pinned_vertices_, alternation_->targets, state.blend, state.rotations);
+      tensors.Minimise(pinned_vertices_, Targets(), state.blend, state.rotations);
   EXPECT_LT((tensors.skinning * slow - state.q).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NEAR(tensors.Energy(slow, state.blend, state.rotations),
               deform::ElasticEnergy(shapes_, edges_, state), 1e-6);
@@ -108,8 +119,7 @@ TEST_F(AlternationTest, PinnedHandles_AreAtTheirTargets) {
   const deform::ExampleState state = State();
   for (size_t c = 0; c < pinned_vertices_.size(); ++c) {
     EXPECT_LT(
-        (state.q.row(pinned_vertices_[c]) - alternation_->targets.row(static_cast<Eigen::Index>(c)))
-            .norm(),
+        (state.q.row(pinned_vertices_[c]) - Targets().row(static_cast<Eigen::Index>(c))).norm(),
         1e-5);
   }
 }
@@ -121,23 +131,40 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
       deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
   const auto value = [&](const std::vector<double>& blend) {
     const Eigen::MatrixXd t =
-        tensors.Minimise(pinned_vertices_, alternation_->targets, blend, state.rotations);
+        tensors.Minimise(pinned_vertices_, Targets(), blend, state.rotations);
     return tensors.Energy(t, blend, state.rotations);
   };
-  RotatedColumns<3> columns(*model_);
-  columns.Reset(&alternation_->rotations());
-  const Eigen::MatrixXd answered = model_->constraints.response * alternation_->targets;
+  AlignedVector<double> planes(model_->chunks() * 8 * 9);
+  for (int i = 0; i < model_->num_blocks; ++i) {
+    for (int entry = 0; entry < 9; ++entry) {
+      planes[PlaneIndex<3>(size_t(i), size_t(entry) / 3, size_t(entry) % 3)] =
+          state.rotations[size_t(i)](entry / 3, entry % 3);
+    }
+  }
+  RotatedColumns<3> columns(*model_, planes);
+  // K_z C^T, of which f's other part is made: 1/2 tr(d^T W d), d = X - sum_j B_j V_j^T R_j^T.
+  const RigTables& tables = rig_->tables();
+  const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
+      edges(tables.mode_edges.data(), Eigen::Index{model_->num_blocks} * 3, tables.num_modes);
+  const Eigen::MatrixXd loads =
+      edges.cast<double>() * model_->pins->system.modes.transpose();
+  Eigen::MatrixXd gap = Targets();
+  const auto turned = [&](int j) {
+    return Eigen::MatrixXd((state.rotations[size_t(j)] * loads.middleRows<3>(3 * j)).transpose());
+  };
+  for (int j = 0; j < model_->num_blocks; ++j)
+    gap -= state.blend[size_t(j)] * turned(j);
   const double step = 1e-4;
+  std::vector<double> column(model_->chunks() * 8);
   for (int i = 0; i < model_->num_blocks; ++i) {
     std::vector<double> up = state.blend, down = state.blend;
     up[static_cast<size_t>(i)] += step;
     down[static_cast<size_t>(i)] -= step;
     const double differences = (value(up) - value(down)) / (2 * step);
-    const Eigen::Matrix3d load = model_->constraint_load.middleRows<3>(3 * i) * answered;
-    double slope = -(state.rotations[static_cast<size_t>(i)] * load).trace();
-    for (int j = 0; j < model_->num_blocks; ++j) {
-      slope += columns.Column(i)[j] * state.blend[static_cast<size_t>(j)];
-    }
+    double slope = -(turned(i).transpose() * model_->pins->system.response * gap).trace();
+    columns.Column(i, column.data());
+    for (int j = 0; j < model_->num_blocks; ++j)
+      slope += column[size_t(j)] * state.blend[size_t(j)];
     EXPECT_NEAR(slope, differences, 1e-5 * model_->energy_scale) << "block " << i;
   }
 }
@@ -145,7 +172,7 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
 TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
   // At rest D is the energy of the single-shape problem, solved here slowly on the full mesh.
   alternation_->Run(*model_, {});
-  const std::vector<double>& d = alternation_->distances();
+  const AlignedVector<double>& d = alternation_->distances();
   for (int s = 0; s < model_->num_shapes; ++s) {
     const deform::PaperTensors single = deform::BuildPaperTensors(
         {shapes_[static_cast<size_t>(s)]}, weights_, edges_, rig_->num_groups());
@@ -155,12 +182,12 @@ TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
     // Local/global from the rotations of the alternation until it rests.
     for (int g = 0; g < model_->num_groups; ++g) {
       rotations[static_cast<size_t>(g)] =
-          alternation_->rotations()[static_cast<size_t>(g * model_->num_shapes + s)];
+          alternation_->rotation(g * model_->num_shapes + s);
     }
     Eigen::MatrixXd q;
     for (int i = 0; i < 200; ++i) {
       const Eigen::MatrixXd t =
-          single.Minimise(pinned_vertices_, alternation_->targets, ones, rotations);
+          single.Minimise(pinned_vertices_, Targets(), ones, rotations);
       q = single.skinning * t;
       for (int g = 0; g < model_->num_groups; ++g) {
         rotations[static_cast<size_t>(g)] =

@@ -14,7 +14,10 @@ class DenseColumns final : public QuadraticColumns {
  public:
   explicit DenseColumns(const Eigen::MatrixXd& q) : q_(q) {}
 
-  const double* Column(int block) override { return q_.col(block).data(); }
+  void Column(int block, double* column) override {
+    std::fill_n(column, PaddedSize(static_cast<size_t>(q_.rows())), 0.0);
+    std::copy_n(q_.col(block).data(), q_.rows(), column);
+  }
 
  private:
   const Eigen::MatrixXd& q_;
@@ -37,6 +40,8 @@ RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
   const int n = groups * shapes;
   p.a = Eigen::MatrixXd::Random(rows, n);
   p.target = Eigen::VectorXd::Random(rows);
+  for (int row = 1; row < rows; row += 3)
+    p.target[row] = 0;
   p.nearness = 0.2 * Eigen::VectorXd::Random(n).cwiseAbs();
   p.start = Eigen::VectorXd::Constant(n, 1.0 / shapes);
   return p;
@@ -44,19 +49,27 @@ RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
 
 // Calls Solve until B rests, as frames do: the proximal term vanishes there.
 Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report) {
-  const Eigen::MatrixXd q = p.a.transpose() * p.a;
-  const Eigen::VectorXd linear = p.a.transpose() * p.target;
+  // Rows with a target are given as rows, the others, multiplied out, as the quadratic form.
+  std::vector<int> with, without;
+  for (int row = 0; row < p.a.rows(); ++row)
+    (p.target[row] != 0 ? with : without).push_back(row);
+  const Eigen::MatrixXd rest = p.a(without, Eigen::all);
+  const Eigen::MatrixXd q = rest.transpose() * rest;
+  const Eigen::VectorXd goal = p.target(with);
+  const auto padded = static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(p.a.cols())));
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows =
+      Eigen::MatrixXd::Zero(goal.size(), padded);
+  rows.leftCols(p.a.cols()) = p.a(with, Eigen::all);
   DenseColumns columns(q);
   BlendProblem problem;
-  problem.num_groups = p.groups;
-  problem.num_shapes = p.shapes;
   problem.quadratic = &columns;
-  problem.linear = linear.data();
+  problem.num_rows = static_cast<int>(goal.size());
+  problem.rows = rows.data();
+  problem.goal = goal.data();
   problem.nearness = p.nearness.data();
-  problem.constant = 0.5 * p.target.squaredNorm();
   problem.delta_squared = 1e-14;
   problem.proximal = 1e-10;
-  BlendWeightStep step(p.groups, p.shapes);
+  BlendWeightStep step(ChooseSolveKernels<3>(), p.groups, p.shapes, static_cast<int>(p.a.rows()));
   Eigen::VectorXd b = p.start;
   for (int call = 0; call < 5; ++call)
     *report = step.Solve(problem, b.data());

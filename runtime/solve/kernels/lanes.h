@@ -1,0 +1,94 @@
+// As many doubles as one register of the instruction set holds, and what kernels do with them.
+//
+// Lanes never meet (but in Sum, whose order is fixed), nothing is reordered, and where a product is
+// added without being rounded first is written out (MulAdd) rather than left to the compiler. So
+// all instruction sets with a fused multiply-add give the same bits; the baseline of x86-64, which
+// has none, gives its own.
+//
+// Included only by the kernels, which are compiled once for each instruction set; so nothing here
+// has external linkage, and nothing of the standard library is inlined from here (a copy compiled
+// for AVX-512 could be the one that the linker keeps for everyone).
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__FMA__) || defined(__AVX512F__)
+#include <immintrin.h>
+#elif defined(__ARM_NEON) && defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
+namespace limber::LIMBER_KERNEL_NAMESPACE {
+
+#if defined(__AVX512F__)
+constexpr size_t kWidth = 8;
+#elif defined(__AVX__)
+constexpr size_t kWidth = 4;
+#else
+constexpr size_t kWidth = 2;
+#endif
+constexpr size_t kLanes = 8;  // of a chunk (solve_kernels.h)
+
+using Lanes = double __attribute__((vector_size(kWidth * sizeof(double))));
+using Mask = int64_t __attribute__((vector_size(kWidth * sizeof(int64_t))));  // -1 where true
+
+static inline __attribute__((always_inline)) Lanes Load(const double* from) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+static inline __attribute__((always_inline)) Lanes Load(const float* from) {
+#if defined(__AVX512F__)
+  return _mm512_cvtps_pd(_mm256_loadu_ps(from));
+#elif defined(__AVX__)
+  return _mm256_cvtps_pd(_mm_loadu_ps(from));
+#else
+  return Lanes{static_cast<double>(from[0]), static_cast<double>(from[1])};
+#endif
+}
+
+static inline __attribute__((always_inline)) void Store(Lanes lanes, double* to) {
+  __builtin_memcpy(to, &lanes, sizeof(lanes));
+}
+
+static inline __attribute__((always_inline)) Lanes Splat(double value) {
+#if defined(__AVX512F__)
+  return Lanes{value, value, value, value, value, value, value, value};
+#elif defined(__AVX__)
+  return Lanes{value, value, value, value};
+#else
+  return Lanes{value, value};
+#endif
+}
+
+// a b + c, rounded once where the machine can.
+static inline __attribute__((always_inline)) Lanes MulAdd(Lanes a, Lanes b, Lanes c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_pd(a, b, c);
+#elif defined(__FMA__)
+  return _mm256_fmadd_pd(a, b, c);
+#elif defined(__ARM_NEON) && defined(__aarch64__)
+  return vfmaq_f64(c, a, b);
+#else
+  return a * b + c;
+#endif
+}
+
+static inline __attribute__((always_inline)) Lanes Abs(Lanes a) {
+  return a < 0 ? -a : a;
+}
+
+static inline __attribute__((always_inline)) Lanes Max(Lanes a, Lanes b) {
+  return a > b ? a : b;
+}
+
+// Of a whole chunk's lanes: (0+4)+(2+6) + (1+5)+(3+7) on every machine.
+static inline double Sum(const Lanes (&lanes)[kLanes / kWidth]) {
+  double a[kLanes];
+  __builtin_memcpy(a, &lanes, sizeof(a));
+  return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
+}
+
+}  // namespace limber::LIMBER_KERNEL_NAMESPACE

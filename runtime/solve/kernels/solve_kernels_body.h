@@ -1,0 +1,308 @@
+// The code of solve_kernels.h. Included by one source file for each instruction set, which defines
+// LIMBER_KERNEL_NAMESPACE; see lanes.h for why nothing here may be shared between them.
+#pragma once
+
+#include "solve/kernels/lanes.h"
+#include "solve/kernels/solve_kernels.h"
+
+namespace limber::LIMBER_KERNEL_NAMESPACE {
+
+// Where lane `at` (of all chunks) begins in arrays of `planes` numbers a lane.
+static inline __attribute__((always_inline)) size_t Offset(size_t at, size_t planes) {
+  return at / kLanes * planes * kLanes + at % kLanes;
+}
+
+static void AddScaled(double a, const double* x, size_t chunks, double* y) {
+  const Lanes scale = Splat(a);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth)
+    Store(MulAdd(scale, Load(x + at), Load(y + at)), y + at);
+}
+
+static double Dot(const double* x, const double* y, size_t chunks) {
+  Lanes sums[kLanes / kWidth] = {};
+  for (size_t at = 0; at < chunks * kLanes; at += kLanes) {
+    for (size_t part = 0; part < kLanes / kWidth; ++part) {
+      sums[part] =
+          MulAdd(Load(x + at + part * kWidth), Load(y + at + part * kWidth), sums[part]);
+    }
+  }
+  return Sum(sums);
+}
+
+// Parts of y that stay in registers while the rows pass by.
+template <size_t kParts>
+static inline __attribute__((always_inline)) void AddRowsAt(const double* rows, size_t stride,
+                                                            const double* scales, size_t count,
+                                                            double* y) {
+  Lanes sums[kParts];
+  for (size_t part = 0; part < kParts; ++part)
+    sums[part] = Load(y + part * kWidth);
+  for (size_t r = 0; r < count; ++r, rows += stride) {
+    const Lanes scale = Splat(scales[r]);
+    for (size_t part = 0; part < kParts; ++part)
+      sums[part] = MulAdd(scale, Load(rows + part * kWidth), sums[part]);
+  }
+  for (size_t part = 0; part < kParts; ++part)
+    Store(sums[part], y + part * kWidth);
+}
+
+static void AddRows(const double* rows, size_t stride, const double* scales, size_t count,
+                    size_t chunks, double* y) {
+  const size_t end = chunks * kLanes;
+  size_t at = 0;
+  for (; at + 8 * kWidth <= end; at += 8 * kWidth)
+    AddRowsAt<8>(rows + at, stride, scales, count, y + at);
+  for (; at < end; at += kWidth)
+    AddRowsAt<1>(rows + at, stride, scales, count, y + at);
+}
+
+// A K x K matrix (row-major) with each entry in all lanes.
+template <int K>
+struct SplatMatrix {
+  Lanes at[K][K];
+
+  explicit SplatMatrix(const double* m) {
+    for (size_t row = 0; row < K; ++row) {
+      for (size_t column = 0; column < K; ++column)
+        at[row][column] = Splat(m[row * K + column]);
+    }
+  }
+};
+
+template <int K>
+static void RotateColumn(const double* strip, const double* rotations, const double* turn,
+                         size_t chunks, double* column) {
+  const SplatMatrix<K> m(turn);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* matrix = strip + Offset(at, size_t{K} * K);
+    const double* rotation = rotations + Offset(at, size_t{K} * K);
+    Lanes sums[K] = {};
+    for (size_t a = 0; a < K; ++a) {
+      Lanes turned[K] = {};
+      for (size_t b = 0; b < K; ++b) {
+        const Lanes entry = Load(matrix + (b * K + a) * kLanes);
+        for (size_t c = 0; c < K; ++c)
+          turned[c] = MulAdd(entry, m.at[c][b], turned[c]);
+      }
+      for (size_t c = 0; c < K; ++c)
+        sums[c] = MulAdd(Load(rotation + (c * K + a) * kLanes), turned[c], sums[c]);
+    }
+    for (size_t c = 1; c < K; ++c)
+      sums[0] += sums[c];
+    Store(sums[0], column + at);
+  }
+}
+
+// out(:, c) += sum_b table(b, :) m(c, b), planes of K entries a lane.
+template <int K, typename Number>
+static inline __attribute__((always_inline)) void AddRow(const Number* table,
+                                                         size_t table_step, const SplatMatrix<K>& m,
+                                                         double* out) {
+  Lanes sum[K];
+  for (size_t c = 0; c < K; ++c)
+    sum[c] = Load(out + c * kLanes);
+  for (size_t b = 0; b < K; ++b) {
+    const Lanes entry = Load(table + b * table_step);
+    for (size_t c = 0; c < K; ++c)
+      sum[c] = MulAdd(entry, m.at[c][b], sum[c]);
+  }
+  for (size_t c = 0; c < K; ++c)
+    Store(sum[c], out + c * kLanes);
+}
+
+template <int K>
+static void AddProduct(const double* strip, const double* m, size_t chunks, double* product) {
+  const SplatMatrix<K> matrix(m);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* from = strip + Offset(at, size_t{K} * K);
+    double* to = product + Offset(at, size_t{K} * K);
+    for (size_t a = 0; a < K; ++a)
+      AddRow<K>(from + a * kLanes, K * kLanes, matrix, to + a * K * kLanes);
+  }
+}
+
+template <int K>
+static void AddTransforms(const float* table, const double* m, size_t chunks, double* out) {
+  const SplatMatrix<K> matrix(m);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth)
+    AddRow<K>(table + Offset(at, K), kLanes, matrix, out + Offset(at, K));
+}
+
+template <int K>
+static void RotateLoads(const double* loads, const double* rotations, size_t pins, size_t chunks,
+                        double* rows) {
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* load = loads + Offset(at, K * pins);
+    const double* rotation = rotations + Offset(at, size_t{K} * K);
+    for (size_t c = 0; c < K; ++c) {
+      for (size_t p = 0; p < pins; ++p) {
+        Lanes sum = {};
+        for (size_t a = 0; a < K; ++a)
+          sum = MulAdd(Load(rotation + (c * K + a) * kLanes),
+                       Load(load + (a * pins + p) * kLanes), sum);
+        Store(sum, rows + (p * K + c) * chunks * kLanes + at);
+      }
+    }
+  }
+}
+
+template <int K>
+static void AddLoads(const double* loads, const double* values, size_t pins, size_t chunks,
+                     double* product) {
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* load = loads + Offset(at, K * pins);
+    double* out = product + Offset(at, size_t{K} * K);
+    for (size_t a = 0; a < K; ++a, load += pins * kLanes, out += K * kLanes) {
+      Lanes sum[K];
+      for (size_t c = 0; c < K; ++c)
+        sum[c] = Load(out + c * kLanes);
+      for (size_t p = 0; p < pins; ++p) {
+        const Lanes entry = Load(load + p * kLanes);
+        for (size_t c = 0; c < K; ++c)
+          sum[c] = MulAdd(entry, Splat(values[p * K + c]), sum[c]);
+      }
+      for (size_t c = 0; c < K; ++c)
+        Store(sum[c], out + c * kLanes);
+    }
+  }
+}
+
+template <int K>
+static void SingleModes(const double* edges, const double* rotations, size_t groups,
+                        size_t mode_chunks, double* modes) {
+  for (size_t at = 0; at < mode_chunks * kLanes; at += kWidth) {
+    Lanes sum[K] = {};
+    for (size_t g = 0; g < groups; ++g) {
+      for (size_t a = 0; a < K; ++a) {
+        const Lanes edge = Load(edges + (g * K + a) * mode_chunks * kLanes + at);
+        for (size_t c = 0; c < K; ++c)
+          sum[c] = MulAdd(edge, Splat(rotations[PlaneIndex<K>(g, c, a)]), sum[c]);
+      }
+    }
+    for (size_t c = 0; c < K; ++c)
+      Store(sum[c], modes + c * mode_chunks * kLanes + at);
+  }
+}
+
+template <int K>
+static void SingleFits(const double* edges, const double* modes, size_t num_modes, size_t chunks,
+                       double* fits) {
+  const size_t stride = PaddedSize(num_modes);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* edge = edges + Offset(at, num_modes * K);
+    double* out = fits + Offset(at, size_t{K} * K);
+    Lanes sum[K][K] = {};
+    for (size_t m = 0; m < num_modes; ++m, edge += K * kLanes) {
+      for (size_t a = 0; a < K; ++a) {
+        const Lanes entry = Load(edge + a * kLanes);
+        for (size_t c = 0; c < K; ++c)
+          sum[a][c] = MulAdd(entry, Splat(modes[c * stride + m]), sum[a][c]);
+      }
+    }
+    for (size_t a = 0; a < K; ++a) {
+      for (size_t c = 0; c < K; ++c)
+        Store(sum[a][c], out + (a * K + c) * kLanes);
+    }
+  }
+}
+
+// Adds entries of two rows of U times [z; -R^T] over the columns from `column` on: two rows' sums
+// hide each other's latency.
+template <int K>
+static inline __attribute__((always_inline)) void AddRowPair(const float* upper, const float* lower,
+                                                             const double* modes,
+                                                             const double* rotation, size_t column,
+                                                             size_t num_modes,
+                                                             Lanes (&sums)[2][K]) {
+  const size_t stride = PaddedSize(num_modes);
+  for (; column < num_modes; ++column, upper += kLanes, lower += kLanes) {
+    const Lanes first = Load(upper), second = Load(lower);
+    for (size_t c = 0; c < K; ++c) {
+      const Lanes mode = Splat(modes[c * stride + column]);
+      sums[0][c] = MulAdd(first, mode, sums[0][c]);
+      sums[1][c] = MulAdd(second, mode, sums[1][c]);
+    }
+  }
+  for (size_t a = column - num_modes; a < K; ++a, upper += kLanes, lower += kLanes) {
+    const Lanes first = Load(upper), second = Load(lower);
+    for (size_t c = 0; c < K; ++c) {
+      const Lanes turn = -Load(rotation + (c * K + a) * kLanes);
+      sums[0][c] = MulAdd(first, turn, sums[0][c]);
+      sums[1][c] = MulAdd(second, turn, sums[1][c]);
+    }
+  }
+}
+
+template <int K>
+static void SingleEnergies(const float* factors, const double* modes, const double* rotations,
+                           size_t num_modes, size_t chunks, double* energies) {
+  const size_t size = num_modes + K, stride = PaddedSize(num_modes);
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const float* upper = factors + Offset(at, size * (size + 1) / 2);
+    const double* rotation = rotations + Offset(at, size_t{K} * K);
+    Lanes energies_by_axis[K] = {};
+    for (size_t row = 0; row < size; row += 2) {
+      Lanes sums[2][K] = {};
+      const Lanes diagonal = Load(upper);
+      for (size_t c = 0; c < K; ++c) {
+        sums[0][c] = diagonal * (row < num_modes
+                                     ? Splat(modes[c * stride + row])
+                                     : -Load(rotation + (c * K + row - num_modes) * kLanes));
+      }
+      upper += kLanes;
+      const float* lower = upper + (size - row - 1) * kLanes;
+      if (row + 1 < size) AddRowPair<K>(upper, lower, modes, rotation, row + 1, num_modes, sums);
+      upper = lower + (size - row - 1) * kLanes;
+      for (size_t c = 0; c < K; ++c) {
+        energies_by_axis[c] = MulAdd(sums[0][c], sums[0][c], energies_by_axis[c]);
+        energies_by_axis[c] = MulAdd(sums[1][c], sums[1][c], energies_by_axis[c]);
+      }
+    }
+    for (size_t c = 1; c < K; ++c)
+      energies_by_axis[0] += energies_by_axis[c];
+    Store(energies_by_axis[0], energies + at);
+  }
+}
+
+// Left-looking, column by column: the inner loop runs down a column. Rows above the diagonal that
+// share its chunk are computed along and set to zero.
+static void CholeskyFactor(double* a, size_t size, size_t stride) {
+  for (size_t j = 0; j < size; ++j) {
+    double* column = a + j * stride;
+    const double before = column[j];
+    const size_t first = j / kLanes * kLanes;
+    for (size_t m = 0; m < j; ++m) {
+      const double* other = a + m * stride;
+      AddScaled(-other[j], other + first, (stride - first) / kLanes, column + first);
+    }
+    const double smallest = 1e-15 * (before < 0 ? -before : before) + 1e-300;
+    const double pivot = __builtin_sqrt(column[j] > smallest ? column[j] : smallest);
+    const double inverse = 1 / pivot;
+    for (size_t i = first; i < stride; i += kWidth)
+      Store(Load(column + i) * inverse, column + i);
+    column[j] = pivot;
+    for (size_t i = first; i < j; ++i)
+      column[i] = 0;
+    for (size_t i = size; i < stride; ++i)
+      column[i] = 0;
+  }
+}
+
+static void CholeskySolve(const double* l, size_t size, size_t stride, double* x) {
+  for (size_t j = 0; j < size; ++j) {
+    const double* column = l + j * stride;
+    const double value = x[j] / column[j];
+    const size_t first = j / kLanes * kLanes;
+    AddScaled(-value, column + first, (stride - first) / kLanes, x + first);
+    x[j] = value;
+  }
+  for (size_t j = size; j-- > 0;) {
+    const double* column = l + j * stride;
+    const size_t first = j / kLanes * kLanes;
+    const double value = x[j];
+    x[j] = 0;
+    x[j] = (value - Dot(column + first, x + first, (stride - first) / kLanes)) / column[j];
+  }
+}
+
+}  // namespace limber::LIMBER_KERNEL_NAMESPACE
