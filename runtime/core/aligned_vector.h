@@ -14,6 +14,7 @@ class CacheLineAllocator {
   using value_type = Number;
 
   CacheLineAllocator() = default;
+
   template <class Other>
   CacheLineAllocator(const CacheLineAllocator<Other>&) {}  // NOLINT(google-explicit-constructor)
 

@@ -41,6 +41,17 @@ void RotatedColumns<K>::Column(int block, double* column) {
 }
 
 template <int K>
+void UniformColumns<K>::Column(int shape, double* column) {
+  const auto shapes = static_cast<size_t>(model_.num_shapes);
+  std::fill_n(column, PaddedSize(shapes), 0.0);
+  for (int g = 0; g < model_.num_groups; ++g) {
+    varying_->Column(g * model_.num_shapes + shape, scratch_->data());
+    for (size_t i = 0; i < static_cast<size_t>(model_.num_blocks); ++i)
+      column[i % shapes] += (*scratch_)[i];
+  }
+}
+
+template <int K>
 Alternation<K>::Alternation(const PoseModel& model)
     : targets(static_cast<size_t>(model.rig->num_handles()) * K),
       kernels_(ChooseSolveKernels<K>()),
@@ -53,12 +64,17 @@ Alternation<K>::Alternation(const PoseModel& model)
       rows_(targets.size() * blend_.size()),
       goal_(targets.size()),
       residual_(PaddedSize(goal_.size())),
+      column_(blend_),
       product_(rotations_),
       fits_(rotations_),
       pin_values_(goal_.size() + K * (K + 1)),
       transforms_(model.row_chunks() * kBlockLanes * K),
       failed_(blend_.size()),
       blend_step_(kernels_, model.num_groups, model.num_shapes, static_cast<int>(goal_.size())),
+      uniform_step_(kernels_, 1, model.num_shapes, static_cast<int>(goal_.size())),
+      uniform_blend_(PaddedSize(static_cast<size_t>(model.num_shapes))),
+      uniform_nearness_(uniform_blend_),
+      uniform_rows_(goal_.size() * uniform_blend_.size()),
       nearness_step_(model) {}
 
 template <int K>
@@ -72,6 +88,7 @@ void Alternation<K>::HoldRotationsAtIdentity() {
   SetIdentity<K>(&rotations_);
   nearness_step_.Reset();
   blend_step_.ForgetColumns();
+  uniform_step_.ForgetColumns();
   are_identity_ = true;
 }
 
@@ -137,6 +154,7 @@ template <int K>
 double Alternation<K>::FitRotations(const PoseModel& model) {
   are_identity_ = false;
   blend_step_.ForgetColumns();
+  uniform_step_.ForgetColumns();
   last_rotations_ = rotations_;
   for (size_t i = 0; i < fits_.size(); ++i)
     fits_[i] = -product_[i];
@@ -148,8 +166,8 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
                          fits_.data() + model.near_first(j) * kBlockLanes * K * K);
   }
   UpdateResidual(model);  // of the last B and R, for the present targets
-  kernels_.add_loads(model.pins->loads.data(), residual_.data(), model.pins->rank(),
-                     model.chunks(), fits_.data());
+  kernels_.add_loads(model.pins->loads.data(), residual_.data(), model.pins->rank(), model.chunks(),
+                     fits_.data());
   FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_blocks), fits_, rotations_.data(),
                        &failed_);
   double change = 0;
@@ -164,10 +182,12 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
 }
 
 template <int K>
-double Alternation<K>::SolveConvexStep(const PoseModel& model, double lambda) {
+BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model, const Settings& settings) {
   const double floor = kNearnessFloor * std::sqrt(model.energy_scale);
-  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i)
-    nearness_[i] = lambda * std::max(std::sqrt(distances_[i]), floor);
+  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
+    const double root = std::max(std::sqrt(distances_[i]), floor);
+    nearness_[i] = settings.lambda * (settings.square_roots ? root : root * root);
+  }
   RotatedColumns<K> columns(model, rotations_);
   BlendProblem problem;
   problem.quadratic = &columns;
@@ -175,10 +195,37 @@ double Alternation<K>::SolveConvexStep(const PoseModel& model, double lambda) {
   problem.rows = rows_.data();
   problem.goal = goal_.data();
   problem.nearness = nearness_.data();
+  problem.square_root = settings.square_roots;
   problem.delta_squared = kSmoothing * model.energy_scale;
   problem.proximal = kProximal * model.energy_scale;
   problem.matched = kMatched * model.energy_scale;
-  return blend_step_.Solve(problem, blend_.data()).violation;
+  if (!settings.varying_blend) return SolveUniformStep(model, problem);
+  return blend_step_.Solve(problem, blend_.data());
+}
+
+// The same problem with all groups' weights the same: G = 1 and everything summed over groups.
+template <int K>
+BlendReport Alternation<K>::SolveUniformStep(const PoseModel& model, const BlendProblem& varying) {
+  const auto shapes = static_cast<size_t>(model.num_shapes);
+  const size_t blocks = static_cast<size_t>(model.num_blocks), padded = PaddedSize(shapes);
+  std::fill(uniform_blend_.begin(), uniform_blend_.end(), 0.0);
+  std::fill(uniform_nearness_.begin(), uniform_nearness_.end(), 0.0);
+  std::fill(uniform_rows_.begin(), uniform_rows_.end(), 0.0);
+  for (size_t i = 0; i < blocks; ++i) {
+    uniform_blend_[i % shapes] += blend_[i] / model.num_groups;
+    uniform_nearness_[i % shapes] += nearness_[i];
+    for (size_t row = 0; row < static_cast<size_t>(varying.num_rows); ++row)
+      uniform_rows_[row * padded + i % shapes] += rows_[row * blend_.size() + i];
+  }
+  UniformColumns<K> columns(model, varying.quadratic, &column_);
+  BlendProblem problem = varying;
+  problem.quadratic = &columns;
+  problem.rows = uniform_rows_.data();
+  problem.nearness = uniform_nearness_.data();
+  const BlendReport report = uniform_step_.Solve(problem, uniform_blend_.data());
+  for (size_t i = 0; i < blocks; ++i)
+    blend_[i] = uniform_blend_[i % shapes];
+  return report;
 }
 
 template <int K>
@@ -193,10 +240,9 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   }
   RotateLoads(model);
   if (model.num_shapes > 1) {
-    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations,
-                       distances_.data());
+    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations, distances_.data());
     last_blend_ = blend_;
-    outcome.optimality = SolveConvexStep(model, settings.lambda);
+    outcome.convex = SolveConvexStep(model, settings);
     for (size_t i = 0; i < blend_.size(); ++i)
       outcome.change = std::max(outcome.change, std::abs(blend_[i] - last_blend_[i]));
   }
@@ -206,10 +252,10 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
 }
 
 template <int K>
-double Alternation<K>::ElasticRoot(const PoseModel& model, double* nearness) const {
+double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) const {
   *nearness = 0;
-  double energy = 0.5 * kernels_.dot(residual_.data(), residual_.data(),
-                                     residual_.size() / kBlockLanes);
+  double energy =
+      0.5 * kernels_.dot(residual_.data(), residual_.data(), residual_.size() / kBlockLanes);
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend_[i] == 0) continue;
     *nearness += blend_[i] * nearness_[i];
@@ -224,7 +270,7 @@ double Alternation<K>::ElasticRoot(const PoseModel& model, double* nearness) con
     }
     energy += 0.5 * blend_[i] * half;
   }
-  return std::sqrt(std::max(energy, 0.0));
+  return std::max(energy, 0.0);
 }
 
 // T^ = phi_0 t + Phi_1 C^T L e + sum_j Phi_1 K_z,j^T B_j R_j^T, t = w (X - C b).
@@ -268,6 +314,8 @@ const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) 
 
 template class RotatedColumns<2>;
 template class RotatedColumns<3>;
+template class UniformColumns<2>;
+template class UniformColumns<3>;
 template class Alternation<2>;
 template class Alternation<3>;
 

@@ -1,7 +1,7 @@
 // One character's unknowns and the alternation over them (section 5.5), for k = 2 and 3.
 //
-// The transforms are eliminated (editor_tools/bake/REDUCTION.md): with P_i = sum_j gram_ij B_j R_j^T
-// and the residual of the pins e = L^T (X - sum_j B_j V_j^T R_j^T),
+// The transforms are eliminated (editor_tools/bake/REDUCTION.md): with P_i = sum_j gram_ij B_j
+// R_j^T and the residual of the pins e = L^T (X - sum_j B_j V_j^T R_j^T),
 //     E_d      = 1/2 sum_i B_i tr(R_i P_i) + 1/2 |e|^2
 //     K^_i     = sum_{j in g(i)} B_j H_ij R_j^T - P_i + V_i L e          (eq. 23)
 //     T^       = Phi_1 (sum_j B_j K_z,j^T R_j^T + C^T L e) + phi_0 t
@@ -35,6 +35,24 @@ class RotatedColumns final : public QuadraticColumns {
   const AlignedVector<double>& rotations_;
 };
 
+// The same summed over groups: Q for one blend of the whole character, S x S.
+template <int K>
+class UniformColumns final : public QuadraticColumns {
+ public:
+  // scratch: G*S numbers, padded.
+  UniformColumns(const PoseModel& model, QuadraticColumns* varying, AlignedVector<double>* scratch)
+      : model_(model),
+        varying_(varying),
+        scratch_(scratch) {}
+
+  void Column(int shape, double* column) override;
+
+ private:
+  const PoseModel& model_;
+  QuadraticColumns* varying_;
+  AlignedVector<double>* scratch_;
+};
+
 template <int K>
 class Alternation {
  public:
@@ -43,10 +61,13 @@ class Alternation {
   struct Settings {
     double lambda = 0.5;
     bool rotations = true;
+    bool square_roots = true;
+    bool varying_blend = true;
   };
 
   struct Outcome {
-    double change = 0, optimality = 0;
+    double change = 0;   // largest change of a blend weight or of a rotation's entry in use
+    BlendReport convex;  // of the convex step
   };
 
   explicit Alternation(const PoseModel& model);
@@ -55,8 +76,8 @@ class Alternation {
   void ResetToRest(const PoseModel& model);
   // R for the present targets and the last B, then D and B (eq. 22, 10, 20).
   Outcome Run(const PoseModel& model, const Settings& settings);
-  // Both terms of eq. 10 at the present unknowns: sqrt(E_d), and lambda sum B sqrt(D) in *nearness.
-  double ElasticRoot(const PoseModel& model, double* nearness) const;
+  // At the present unknowns E_d, and lambda sum B sqrt(D) (or D) in *nearness.
+  double ElasticEnergy(const PoseModel& model, double* nearness) const;
   // T^: [row chunk][K][8], valid until the next call.
   const AlignedVector<double>& Transforms(const PoseModel& model);
 
@@ -75,21 +96,25 @@ class Alternation {
   void RotateLoads(const PoseModel& model);
   void UpdateResidual(const PoseModel& model);
   void UpdateProduct(const PoseModel& model);
-  double SolveConvexStep(const PoseModel& model, double lambda);
+  BlendReport SolveConvexStep(const PoseModel& model, const Settings& settings);
+  BlendReport SolveUniformStep(const PoseModel& model, const BlendProblem& varying);
 
   const SolveKernels& kernels_;
   AlignedVector<double> rotations_, last_rotations_;  // R, planes
-  bool are_identity_ = false;                       // all R = I
+  bool are_identity_ = false;                         // all R = I
   AlignedVector<double> blend_, last_blend_;          // B, [padded]
   AlignedVector<double> distances_, nearness_;        // D and lambda sqrt(D), [padded]
   AlignedVector<double> rows_;                        // L^T V_j^T R_j^T: [q][K][padded]
   AlignedVector<double> goal_, residual_;             // L^T X and e, [q][K]
+  AlignedVector<double> column_;                      // [padded], scratch
   AlignedVector<double> product_;                     // P, planes
   AlignedVector<double> fits_;                        // K^, planes
   AlignedVector<double> pin_values_;                  // t and e, [1 + q and a little][K]
   AlignedVector<double> transforms_;                  // T^
-  std::vector<uint8_t> failed_;                     // [padded], scratch
+  std::vector<uint8_t> failed_;                       // [padded], scratch
   BlendWeightStep blend_step_;
+  BlendWeightStep uniform_step_;  // one blend for all groups
+  AlignedVector<double> uniform_blend_, uniform_nearness_, uniform_rows_;
   NearnessStep<K> nearness_step_;
 };
 

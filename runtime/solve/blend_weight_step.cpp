@@ -160,11 +160,10 @@ void BlendWeightStep::UpdateUsedGradient(const BlendProblem& problem, const doub
 // After UpdateUsedGradient: at all weights.
 void BlendWeightStep::UpdateFullGradient(const BlendProblem& problem, const double* blend) {
   std::fill(gradient_.begin(), gradient_.end(), 0.0);
-  kernels_.add_rows(columns_.data(), padded_, weights_.data(), used_.size(),
-                    padded_ / kBlockLanes, gradient_.data());
-  kernels_.add_rows(problem.rows, padded_, residual_.data(),
-                    static_cast<size_t>(problem.num_rows), padded_ / kBlockLanes,
+  kernels_.add_rows(columns_.data(), padded_, weights_.data(), used_.size(), padded_ / kBlockLanes,
                     gradient_.data());
+  kernels_.add_rows(problem.rows, padded_, residual_.data(), static_cast<size_t>(problem.num_rows),
+                    padded_ / kBlockLanes, gradient_.data());
   for (const int block : used_) {
     gradient_[static_cast<size_t>(block)] +=
         problem.proximal * (blend[block] - start_[static_cast<size_t>(block)]);
@@ -176,10 +175,10 @@ void BlendWeightStep::BuildHessian(const BlendProblem& problem) {
   const size_t size = free_.size(), stride = PaddedSize(size);
   for (size_t a = 0; a < size; ++a) {
     const int reference = reference_[static_cast<size_t>(free_[a] / num_shapes_)];
-    const double* row = products_.data() +
-                        static_cast<size_t>(slot_[static_cast<size_t>(free_[a])]) * used_stride_;
-    const double* other =
-        products_.data() + static_cast<size_t>(slot_[static_cast<size_t>(reference)]) * used_stride_;
+    const double* row =
+        products_.data() + static_cast<size_t>(slot_[static_cast<size_t>(free_[a])]) * used_stride_;
+    const double* other = products_.data() +
+                          static_cast<size_t>(slot_[static_cast<size_t>(reference)]) * used_stride_;
     std::copy_n(row, used_stride_, difference_.data());
     kernels_.add_scaled(-1, other, PaddedSize(used_.size()) / kBlockLanes, difference_.data());
     double* column = hessian_.data() + a * stride;
@@ -197,7 +196,7 @@ void BlendWeightStep::BuildHessian(const BlendProblem& problem) {
 // On the affine hull of the free weights: with u the reduced Newton step of f and d the answer to
 // the nearness term, the minimiser lies at u + tau d, tau^2 = 4 (f(u) + delta^2) / (1 - 2 m^2),
 // m^2 = d^T H d; it is left in newton_. False: 2 m^2 >= 1, the linear term wins and d, left in
-// direction_, is to be followed to the border.
+// direction_, is to be followed to the border. Without the square root tau = 1.
 bool BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
   const size_t size = free_.size(), stride = PaddedSize(size), chunks = stride / kBlockLanes;
   BuildHessian(problem);
@@ -206,8 +205,8 @@ bool BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
     std::fill_n(side->begin(), stride, 0.0);
   for (size_t a = 0; a < size; ++a) {
     const auto block = static_cast<size_t>(free_[a]);
-    const auto reference = static_cast<size_t>(
-        reference_[static_cast<size_t>(free_[a] / num_shapes_)]);
+    const auto reference =
+        static_cast<size_t>(reference_[static_cast<size_t>(free_[a] / num_shapes_)]);
     newton_[a] = slope_[a] = gradient_[reference] - gradient_[block];
     direction_[a] = problem.nearness[reference] - problem.nearness[block];
   }
@@ -217,10 +216,13 @@ bool BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
       problem.delta_squared;
   std::copy_n(direction_.begin(), stride, slope_.begin());
   kernels_.cholesky_solve(hessian_.data(), size, stride, direction_.data());
-  const double m_squared = kernels_.dot(slope_.data(), direction_.data(), chunks);
-  if (2 * m_squared >= 1) return false;
-  kernels_.add_scaled(2 * std::sqrt(reached / (1 - 2 * m_squared)), direction_.data(), chunks,
-                      newton_.data());
+  double tau = 1;
+  if (problem.square_root) {
+    const double m_squared = kernels_.dot(slope_.data(), direction_.data(), chunks);
+    if (2 * m_squared >= 1) return false;
+    tau = 2 * std::sqrt(reached / (1 - 2 * m_squared));
+  }
+  kernels_.add_scaled(tau, direction_.data(), chunks, newton_.data());
   return true;
 }
 
@@ -259,9 +261,10 @@ bool BlendWeightStep::MoveTowards(bool bounded, double* blend) {
 // Frees the weights at their bound whose multiplier is negative; returns the largest violation.
 double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* blend,
                                      bool one_only) {
-  const double half = 0.5 / std::sqrt(value_ + problem.delta_squared);
+  const double outer =
+      problem.square_root ? 0.5 / std::sqrt(value_ + problem.delta_squared) : 1.0;
   const auto slope = [&](int j) {
-    return half * gradient_[static_cast<size_t>(j)] + problem.nearness[j];
+    return outer * gradient_[static_cast<size_t>(j)] + problem.nearness[j];
   };
   double scale = 0;
   for (int j = 0; j < num_blocks_; ++j)
@@ -308,7 +311,7 @@ bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* 
 }
 
 double BlendWeightStep::Objective(const BlendProblem& problem, const double* blend) const {
-  double objective = std::sqrt(value_ + problem.delta_squared);
+  double objective = problem.square_root ? std::sqrt(value_ + problem.delta_squared) : value_;
   for (const int block : used_)
     objective += problem.nearness[block] * blend[block];
   return objective;

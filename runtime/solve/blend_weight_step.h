@@ -37,6 +37,7 @@ struct BlendProblem {
   const double* rows = nullptr;           // A, [num_rows][G*S padded with zeros]
   const double* goal = nullptr;           // a, [num_rows]
   const double* nearness = nullptr;       // lambda sqrt(D), G*S, all >= 0
+  bool square_root = true;                // false: f(B) + l_near . B, a quadratic program
   double delta_squared = 0;               // > 0
   double proximal = 0;                    // rho > 0
   double matched = 0;                     // f at or below which the targets count as matched
@@ -64,7 +65,6 @@ class BlendWeightStep {
   BlendReport Solve(const BlendProblem& problem, double* blend);
 
  private:
-
   bool Use(const BlendProblem& problem, int block, const double* blend);
   void Place(size_t slot);
   void DropUnused(const double* blend);
@@ -85,8 +85,8 @@ class BlendWeightStep {
   size_t padded_, row_stride_, used_stride_;  // G*S, max_rows and max_used in whole chunks
 
   // The weights in use, by slot.
-  std::vector<int> used_;          // block of each slot
-  std::vector<int> slot_;          // [G*S]: slot of each block, -1 for none
+  std::vector<int> used_;            // block of each slot
+  std::vector<int> slot_;            // [G*S]: slot of each block, -1 for none
   AlignedVector<double> columns_;    // Q(:, block), [max_used][padded]
   AlignedVector<double> loads_;      // A(:, block), [max_used][row_stride]
   AlignedVector<double> load_rows_;  // the same transposed, [row_stride][used_stride]
@@ -96,15 +96,15 @@ class BlendWeightStep {
   std::vector<uint8_t> is_free_;    // [G*S]
   std::vector<int> free_;           // free weights that are not their group's reference
   std::vector<int> reference_;      // [G]: the free weight that the others of the group trade with
-  AlignedVector<double> gradient_;    // [padded] of f at B, the proximal term included
-  AlignedVector<double> residual_;    // A B - a, [row_stride]
-  AlignedVector<double> start_;       // [G*S]: B at the call
-  AlignedVector<double> hessian_;     // reduced, free x free in columns
-  AlignedVector<double> weights_;        // [used_stride]: B by slot
+  AlignedVector<double> gradient_;  // [padded] of f at B, the proximal term included
+  AlignedVector<double> residual_;  // A B - a, [row_stride]
+  AlignedVector<double> start_;     // [G*S]: B at the call
+  AlignedVector<double> hessian_;   // reduced, free x free in columns
+  AlignedVector<double> weights_;   // [used_stride]: B by slot
   AlignedVector<double> used_gradient_;  // [used_stride]: of f by slot, less the proximal term
-  AlignedVector<double> difference_;  // [used_stride], one row of products_ less its reference's
+  AlignedVector<double> difference_;     // [used_stride], one row of products_ less its reference's
   AlignedVector<double> newton_, slope_, direction_;  // [free padded]
-  double value_ = 0;                                // f(B), the proximal term included
+  double value_ = 0;                                  // f(B), the proximal term included
 };
 
 }  // namespace limber

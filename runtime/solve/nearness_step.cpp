@@ -34,9 +34,9 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
   const double* held = pins.single_modes.data() + shape * count * stride;
   for (size_t p = 0; p < count; ++p) {
     for (size_t c = 0; c < K; ++c) {
-      gaps_[p * K + c] = targets[p * K + c] - kernels_.dot(held + p * stride,
-                                                           modes_.data() + c * stride,
-                                                           stride / kBlockLanes);
+      gaps_[p * K + c] =
+          targets[p * K + c] -
+          kernels_.dot(held + p * stride, modes_.data() + c * stride, stride / kBlockLanes);
     }
   }
   const Eigen::MatrixXd& response = pins.single_response[shape];

@@ -26,16 +26,17 @@ class NearnessStep {
  private:
   void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets);
   void FitRotations(const PoseModel& model, size_t shape);
+
   double* Rotations(size_t shape) { return rotations_.data() + shape * shape_planes_; }
 
   const SolveKernels& kernels_;
-  size_t shape_planes_;                 // numbers that a shape's rotations take
+  size_t shape_planes_;                   // numbers that a shape's rotations take
   AlignedVector<double> rotations_;       // planes over groups, shape after shape
   AlignedVector<double> modes_;           // z, [K][r1 padded]
   AlignedVector<double> gaps_, answers_;  // X - C b and y, [c][K]
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> energies_;        // [G padded]
-  std::vector<uint8_t> failed_;         // [G padded]
+  std::vector<uint8_t> failed_;           // [G padded]
 };
 
 extern template class NearnessStep<2>;

@@ -66,19 +66,18 @@ void LayOutTransforms(const RigTables& tables, PinSet* pins) {
 std::shared_ptr<const PinSet> PinSet::Create(const RigTables& tables, std::vector<int> handles) {
   auto pins = std::make_shared<PinSet>();
   const Eigen::Index num_handles = tables.num_handles(), r = tables.num_modes;
-  pins->system = ConstraintSystem::Create(
-      HeldRows(tables.handle_modes.data(), num_handles, r, handles));
-  const Eigen::Index rows = static_cast<Eigen::Index>(tables.num_groups) * tables.num_shapes() *
-                            tables.dimension;
+  pins->system =
+      ConstraintSystem::Create(HeldRows(tables.handle_modes.data(), num_handles, r, handles));
+  const Eigen::Index rows =
+      static_cast<Eigen::Index>(tables.num_groups) * tables.num_shapes() * tables.dimension;
   const TableMap edges(tables.mode_edges.data(), rows, r);
   LayOutLoads(tables, edges.cast<double>() * pins->system.modes.transpose(), pins.get());
   LayOutTransforms(tables, pins.get());
   const Eigen::Index r1 = tables.num_single_modes;
   const auto stride = static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(r1)));
   for (Eigen::Index s = 0; s < tables.num_shapes(); ++s) {
-    const ConstraintSystem single = ConstraintSystem::Create(
-        HeldRows(tables.single_handle_modes.data() + s * num_handles * (1 + r1), num_handles, r1,
-                 handles));
+    const ConstraintSystem single = ConstraintSystem::Create(HeldRows(
+        tables.single_handle_modes.data() + s * num_handles * (1 + r1), num_handles, r1, handles));
     for (const auto& row : single.modes.rowwise()) {
       pins->single_modes.insert(pins->single_modes.end(), row.begin(), row.end());
       pins->single_modes.insert(pins->single_modes.end(), static_cast<size_t>(stride - r1), 0.0);

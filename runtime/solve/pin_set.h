@@ -30,8 +30,8 @@ struct PinSet {
   AlignedVector<double> loads;
   // V_i w^T, what block i shifts the translation by: [k][N padded].
   AlignedVector<double> shifts;
-  // The transforms of a translation and those that the pins' residuals ask for, phi_0 | Phi_1 C^T L:
-  // 1 + q columns in bunches of k, [bunch][row chunk][k][8].
+  // The transforms of a translation and those that the pins' residuals ask for, phi_0 | Phi_1 C^T
+  // L: 1 + q columns in bunches of k, [bunch][row chunk][k][8].
   AlignedVector<float> transforms;
   // The models of one shape. Rows of C padded with zeros: [S][c][r1 padded].
   AlignedVector<double> single_modes;

@@ -85,13 +85,11 @@ void LayOutTransforms(const RigTables& tables, PoseModel* model) {
   const TableMap transforms = MapTable(tables.mode_transforms, n, 1 + r);
   const TableMap edges = MapTable(tables.mode_edges, Eigen::Index{model->num_blocks} * k, r);
   const size_t chunks = model->row_chunks(), planes = static_cast<size_t>(k) * kBlockLanes;
-  model->transform_response.assign(
-      chunks * planes * static_cast<size_t>(model->num_blocks), 0.0f);
+  model->transform_response.assign(chunks * planes * static_cast<size_t>(model->num_blocks), 0.0f);
   const Eigen::MatrixXd modes = transforms.rightCols(r).cast<double>();
   for (Eigen::Index row = 0; row < edges.rows(); ++row) {
     const Eigen::VectorXd answer = modes * edges.row(row).transpose().cast<double>();
-    float* out = model->transform_response.data() +
-                 static_cast<size_t>(row / k) * chunks * planes +
+    float* out = model->transform_response.data() + static_cast<size_t>(row / k) * chunks * planes +
                  static_cast<size_t>(row % k) * kBlockLanes;
     for (Eigen::Index i = 0; i < n; ++i) {
       out[static_cast<size_t>(i) / kBlockLanes * planes + static_cast<size_t>(i) % kBlockLanes] =
@@ -135,9 +133,8 @@ void LayOutSingleFactors(const RigTables& tables, PoseModel* model) {
   for (size_t s = 0; s < shapes; ++s) {
     for (size_t g = 0; g < groups; ++g) {
       for (size_t i = 0; i < packed; ++i) {
-        model->single_factors[s * shape_size +
-                              (g / kBlockLanes * packed + i) * kBlockLanes + g % kBlockLanes] =
-            *factor++;
+        model->single_factors[s * shape_size + (g / kBlockLanes * packed + i) * kBlockLanes +
+                              g % kBlockLanes] = *factor++;
       }
     }
   }

@@ -25,8 +25,8 @@ class PoseModel {
 
   std::shared_ptr<const Rig> rig;
   int k = 0, num_groups = 0, num_shapes = 0, num_modes = 0, num_single_modes = 0;  // k G S r r1
-  int num_blocks = 0;                // N = G*S, numbered g*S + s
-  std::vector<int> pin_of_handle;    // [H]: row of `pins`, -1 for a free handle
+  int num_blocks = 0;                  // N = G*S, numbered g*S + s
+  std::vector<int> pin_of_handle;      // [H]: row of `pins`, -1 for a free handle
   std::shared_ptr<const PinSet> pins;  // the handles that are pinned in the rig
   double energy_scale = 0;  // 1/2 mean over shapes of tr H: the size of one example's edges
 

@@ -26,7 +26,8 @@ void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transform
   double to_mesh[3][K];
   for (size_t axis = 0; axis < 3; ++axis) {
     for (size_t c = 0; c < K; ++c)
-      to_mesh[axis][c] = static_cast<double>(space.scale) * static_cast<double>(space.basis[3 * c + axis]);
+      to_mesh[axis][c] =
+          static_cast<double>(space.scale) * static_cast<double>(space.basis[3 * c + axis]);
   }
   float* matrix = matrices->data();
   for (size_t first = 0; first < matrices->size() / 12 * (K + 1); first += K + 1, matrix += 12) {
@@ -168,10 +169,13 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
       [&](auto& unknowns) {
         while (result.iterations < options.iterations && !result.settled) {
           const auto outcome =
-              unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations});
+              unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations,
+                                    options.square_roots, options.varying_blend});
           ++result.iterations;
           result.change = outcome.change;
-          result.optimality = outcome.optimality;
+          result.optimality = outcome.convex.violation;
+          result.optimal = outcome.convex.converged || model->num_shapes == 1;
+          result.used_weights = outcome.convex.used;
           // The first alternation of a call still has last call's rotations in front of it.
           result.settled = options.settle_tolerance > 0 && result.iterations > 1 &&
                            result.change <= options.settle_tolerance;
@@ -179,8 +183,10 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
         if (report == nullptr) return;
         double nearness = 0;
         const double scale = static_cast<double>(model->rig->tables().space.scale);
-        result.elastic = scale * unknowns.ElasticRoot(*model, &nearness);
-        result.energy = result.elastic + scale * nearness;
+        const double elastic = unknowns.ElasticEnergy(*model, &nearness);
+        result.elastic = scale * std::sqrt(elastic);
+        result.energy = options.square_roots ? result.elastic + scale * nearness
+                                             : scale * scale * (elastic + nearness);
       },
       alternation);
   UpdateMatrices();
@@ -243,7 +249,9 @@ SkinTransforms PoseState::transforms() const {
 std::span<const double> PoseState::blend_weights() const {
   const auto count = static_cast<size_t>(impl_->model->num_blocks);
   return std::visit(
-      [count](const auto& unknowns) { return std::span<const double>(unknowns.blend().data(), count); },
+      [count](const auto& unknowns) {
+        return std::span<const double>(unknowns.blend().data(), count);
+      },
       impl_->alternation);
 }
 

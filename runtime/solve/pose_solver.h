@@ -23,17 +23,24 @@ struct PoseOptions {
   int iterations = 1;     // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
   float lambda = 0.5f;    // weight of nearness in eq. 10; 0: shape space only
   bool rotations = true;  // false: all R = I, one convex solve, globally optimal
+  // false: E_d + lambda sum B D in place of eq. 10's roots; softer transitions between shapes, and a
+  // plain quadratic program.
+  bool square_roots = true;
+  bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
 };
 
 struct PoseReport {
-  double energy = 0;      // eq. 10, in mesh units (of the cotangent-weighted edges)
-  double elastic = 0;     // its first term alone, the square root of E_d (eq. 9)
+  double energy = 0;      // eq. 10, in mesh units (of the cotangent-weighted edges); without roots
+                          // its square's units
+  double elastic = 0;     // the square root of E_d (eq. 9)
   int iterations = 0;     // alternations done
   double change = 0;      // largest change of a blend weight or of an entry of a rotation in use
   bool settled = false;   // a tolerance was given and change <= settle_tolerance
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
+  bool optimal = true;    // the convex step reached its optimum (optimality is zero)
+  int used_weights = 0;   // blend weights that the convex step worked with, of G*S
 };
 
 class PoseState {

@@ -40,8 +40,7 @@ void FitRotationPlanes(const SolveKernels& kernels, size_t count, const AlignedV
   kernels.fit_rotations(fits.data(), rotations, NumChunks(count), failed->data());
   for (size_t i = 0; i < count; ++i) {
     if ((*failed)[i] == 0) continue;
-    const Eigen::Matrix<double, K, K> rotation =
-        FitRotation<K>(MatrixOfBlock<K>(fits.data(), i));
+    const Eigen::Matrix<double, K, K> rotation = FitRotation<K>(MatrixOfBlock<K>(fits.data(), i));
     for (size_t row = 0; row < K; ++row) {
       for (size_t column = 0; column < K; ++column) {
         rotations[PlaneIndex<K>(i, row, column)] =

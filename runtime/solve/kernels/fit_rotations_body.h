@@ -16,10 +16,11 @@
 
 namespace limber::LIMBER_KERNEL_NAMESPACE {
 
-static constexpr double kBias = 1e-9;        // of M's largest entry
-static constexpr int kMaxNewtonSteps = 6;    // three are usual
-static constexpr double kConverged = 1e-10;  // |w|^2 of a last step: about what is left then
-static constexpr double kFarthest = 1.0;     // |w|^2 that a quadratic model can be trusted with
+static constexpr double kBias = 1e-9;               // of M's largest entry
+static constexpr int kMaxNewtonSteps = 6;           // three are usual
+static constexpr double kConverged = 1e-10;         // |w|^2 of a last step: about what is left then
+static constexpr double kTorqueOfRounding = 1e-14;  // |v| that means nothing, of M's largest entry
+static constexpr double kFarthest = 1.0;  // |w|^2 that a quadratic model can be trusted with
 
 using Matrix3 = Lanes[3][3];
 
@@ -27,8 +28,7 @@ static inline __attribute__((always_inline)) void Multiply(const Matrix3& x, con
                                                            Matrix3& product) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      product[i][j] =
-          MulAdd(x[i][0], y[0][j], MulAdd(x[i][1], y[1][j], x[i][2] * y[2][j]));
+      product[i][j] = MulAdd(x[i][0], y[0][j], MulAdd(x[i][1], y[1][j], x[i][2] * y[2][j]));
     }
   }
 }
@@ -47,18 +47,23 @@ static inline __attribute__((always_inline)) void Orthonormalise(Matrix3& r) {
   __builtin_memcpy(&r, &result, sizeof(Matrix3));
 }
 
+// Where only the bias holds R, rounding alone would turn it, a little every frame.
+static inline __attribute__((always_inline)) Lanes WithoutRounding(Lanes torque) {
+  return Abs(torque) > kTorqueOfRounding ? torque : Lanes{};
+}
+
 // w = A^-1 v; returns where A is positive definite.
 static inline __attribute__((always_inline)) Mask NewtonStep(const Matrix3& s, Lanes (&w)[3]) {
   const Lanes a00 = s[1][1] + s[2][2], a11 = s[0][0] + s[2][2], a22 = s[0][0] + s[1][1];
   const Lanes a01 = -0.5 * (s[0][1] + s[1][0]), a02 = -0.5 * (s[0][2] + s[2][0]),
               a12 = -0.5 * (s[1][2] + s[2][1]);
-  const Lanes c00 = a11 * a22 - a12 * a12, c01 = a02 * a12 - a01 * a22,
-              c02 = a01 * a12 - a02 * a11, c11 = a00 * a22 - a02 * a02,
-              c12 = a01 * a02 - a00 * a12, c22 = a00 * a11 - a01 * a01;
+  const Lanes c00 = a11 * a22 - a12 * a12, c01 = a02 * a12 - a01 * a22, c02 = a01 * a12 - a02 * a11,
+              c11 = a00 * a22 - a02 * a02, c12 = a01 * a02 - a00 * a12, c22 = a00 * a11 - a01 * a01;
   const Lanes determinant = a00 * c00 + a01 * c01 + a02 * c02;
   const Mask definite = (a00 > 0) & (c22 > 0) & (determinant > 0);
   const Lanes inverse = 1 / (definite ? determinant : Splat(1));
-  const Lanes v0 = s[1][2] - s[2][1], v1 = s[2][0] - s[0][2], v2 = s[0][1] - s[1][0];
+  const Lanes v0 = WithoutRounding(s[1][2] - s[2][1]), v1 = WithoutRounding(s[2][0] - s[0][2]),
+              v2 = WithoutRounding(s[0][1] - s[1][0]);
   w[0] = (c00 * v0 + c01 * v1 + c02 * v2) * inverse;
   w[1] = (c01 * v0 + c11 * v1 + c12 * v2) * inverse;
   w[2] = (c02 * v0 + c12 * v1 + c22 * v2) * inverse;

@@ -41,8 +41,8 @@ struct SolveKernels {
   void (*add_rows)(const double* rows, size_t stride, const double* scales, size_t count,
                    size_t chunks, double* y);
 
-  // column[i] = tr(R_i G_i R_j^T); strip: planes G (rows: i's axes, columns: j's) as [chunk][column]
-  // [row][8]; rotations: planes R; turn: R_j.
+  // column[i] = tr(R_i G_i R_j^T); strip: planes G (rows: i's axes, columns: j's) as
+  // [chunk][column] [row][8]; rotations: planes R; turn: R_j.
   void (*rotate_column)(const double* strip, const double* rotations, const double* turn,
                         size_t chunks, double* column);
   // product_i += G_i m^T; strip as above; m: K x K; product: planes (row: i's axis).

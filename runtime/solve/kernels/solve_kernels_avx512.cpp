@@ -1,8 +1,7 @@
 // The solver's kernels for AVX-512; compiled with its own flags (CMakeLists.txt).
 #define LIMBER_KERNEL_NAMESPACE kernels_avx512
-#include "solve/kernels/solve_kernels_table.h"
-
 #include "solve/kernels/kernel_sets.h"
+#include "solve/kernels/solve_kernels_table.h"
 
 namespace limber {
 

@@ -1,8 +1,7 @@
 // The solver's kernels for the instruction set that the rest of the library is compiled for.
 #define LIMBER_KERNEL_NAMESPACE kernels_baseline
-#include "solve/kernels/solve_kernels_table.h"
-
 #include "solve/kernels/kernel_sets.h"
+#include "solve/kernels/solve_kernels_table.h"
 
 namespace limber {
 

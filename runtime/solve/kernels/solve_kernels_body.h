@@ -22,8 +22,7 @@ static double Dot(const double* x, const double* y, size_t chunks) {
   Lanes sums[kLanes / kWidth] = {};
   for (size_t at = 0; at < chunks * kLanes; at += kLanes) {
     for (size_t part = 0; part < kLanes / kWidth; ++part) {
-      sums[part] =
-          MulAdd(Load(x + at + part * kWidth), Load(y + at + part * kWidth), sums[part]);
+      sums[part] = MulAdd(Load(x + at + part * kWidth), Load(y + at + part * kWidth), sums[part]);
     }
   }
   return Sum(sums);
@@ -95,9 +94,8 @@ static void RotateColumn(const double* strip, const double* rotations, const dou
 
 // out(:, c) += sum_b table(b, :) m(c, b), planes of K entries a lane.
 template <int K, typename Number>
-static inline __attribute__((always_inline)) void AddRow(const Number* table,
-                                                         size_t table_step, const SplatMatrix<K>& m,
-                                                         double* out) {
+static inline __attribute__((always_inline)) void AddRow(const Number* table, size_t table_step,
+                                                         const SplatMatrix<K>& m, double* out) {
   Lanes sum[K];
   for (size_t c = 0; c < K; ++c)
     sum[c] = Load(out + c * kLanes);
@@ -138,8 +136,8 @@ static void RotateLoads(const double* loads, const double* rotations, size_t pin
       for (size_t p = 0; p < pins; ++p) {
         Lanes sum = {};
         for (size_t a = 0; a < K; ++a)
-          sum = MulAdd(Load(rotation + (c * K + a) * kLanes),
-                       Load(load + (a * pins + p) * kLanes), sum);
+          sum = MulAdd(Load(rotation + (c * K + a) * kLanes), Load(load + (a * pins + p) * kLanes),
+                       sum);
         Store(sum, rows + (p * K + c) * chunks * kLanes + at);
       }
     }
@@ -245,9 +243,9 @@ static void SingleEnergies(const float* factors, const double* modes, const doub
       Lanes sums[2][K] = {};
       const Lanes diagonal = Load(upper);
       for (size_t c = 0; c < K; ++c) {
-        sums[0][c] = diagonal * (row < num_modes
-                                     ? Splat(modes[c * stride + row])
-                                     : -Load(rotation + (c * K + row - num_modes) * kLanes));
+        sums[0][c] =
+            diagonal * (row < num_modes ? Splat(modes[c * stride + row])
+                                        : -Load(rotation + (c * K + row - num_modes) * kLanes));
       }
       upper += kLanes;
       const float* lower = upper + (size - row - 1) * kLanes;

@@ -8,10 +8,11 @@ namespace limber::LIMBER_KERNEL_NAMESPACE {
 
 template <int K>
 static constexpr SolveKernels MakeTable(const char* instruction_set) {
-  return {instruction_set, AddScaled,         Dot,              AddRows,
-          RotateColumn<K>, AddProduct<K>,     RotateLoads<K>,   AddLoads<K>,
-          FitRotations<K>, SingleModes<K>,    SingleFits<K>,    SingleEnergies<K>,
-          AddTransforms<K>, CholeskyFactor,   CholeskySolve};
+  return {instruction_set,  AddScaled,       Dot,
+          AddRows,          RotateColumn<K>, AddProduct<K>,
+          RotateLoads<K>,   AddLoads<K>,     FitRotations<K>,
+          SingleModes<K>,   SingleFits<K>,   SingleEnergies<K>,
+          AddTransforms<K>, CholeskyFactor,  CholeskySolve};
 }
 
 }  // namespace limber::LIMBER_KERNEL_NAMESPACE

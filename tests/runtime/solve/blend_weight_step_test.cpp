@@ -28,10 +28,18 @@ struct RandomProblem {
   int groups, shapes;
   Eigen::MatrixXd a;
   Eigen::VectorXd target, nearness, start;
+  bool square_root = true;
 
   double F(const Eigen::VectorXd& b) const { return 0.5 * (a * b - target).squaredNorm(); }
 
-  double Objective(const Eigen::VectorXd& b) const { return std::sqrt(F(b)) + nearness.dot(b); }
+  double Objective(const Eigen::VectorXd& b) const {
+    return (square_root ? std::sqrt(F(b)) : F(b)) + nearness.dot(b);
+  }
+
+  Eigen::VectorXd Slope(const Eigen::VectorXd& b) const {
+    const double outer = square_root ? 0.5 / std::max(std::sqrt(F(b)), 1e-12) : 1;
+    return outer * a.transpose() * (a * b - target) + nearness;
+  }
 };
 
 RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
@@ -67,6 +75,7 @@ Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report) {
   problem.rows = rows.data();
   problem.goal = goal.data();
   problem.nearness = p.nearness.data();
+  problem.square_root = p.square_root;
   problem.delta_squared = 1e-14;
   problem.proximal = 1e-10;
   BlendWeightStep step(ChooseSolveKernels<3>(), p.groups, p.shapes, static_cast<int>(p.a.rows()));
@@ -85,8 +94,7 @@ void ExpectFeasible(const RandomProblem& p, const Eigen::VectorXd& b) {
 
 // Away from f = 0: within each group all used weights have the smallest slope.
 void ExpectOptimal(const RandomProblem& p, const Eigen::VectorXd& b) {
-  const Eigen::VectorXd slope =
-      p.a.transpose() * (p.a * b - p.target) / (2 * std::sqrt(p.F(b))) + p.nearness;
+  const Eigen::VectorXd slope = p.Slope(b);
   for (int g = 0; g < p.groups; ++g) {
     const double level = slope.segment(g * p.shapes, p.shapes).minCoeff();
     for (int s = 0; s < p.shapes; ++s) {
@@ -113,9 +121,7 @@ double SolveSlowly(const RandomProblem& p) {
   Eigen::VectorXd b = p.start;
   double value = p.Objective(b), step = 1;
   for (int i = 0; i < 20000 && step > 1e-14; ++i) {
-    const double root = std::max(std::sqrt(p.F(b)), 1e-12);
-    const Eigen::VectorXd slope = p.a.transpose() * (p.a * b - p.target) / (2 * root) + p.nearness;
-    Eigen::VectorXd next = b - step * slope;
+    Eigen::VectorXd next = b - step * p.Slope(b);
     for (int g = 0; g < p.groups; ++g) {
       next.segment(g * p.shapes, p.shapes) = ProjectToSimplex(next.segment(g * p.shapes, p.shapes));
     }
@@ -140,6 +146,20 @@ TEST(BlendWeightStep, RandomProblems_MeetTheOptimalityConditions) {
     EXPECT_TRUE(report.converged) << seed;
     ExpectFeasible(p, b);
     ExpectOptimal(p, b);
+  }
+}
+
+TEST(BlendWeightStep, WithoutTheSquareRoot_MeetsTheOptimalityConditions) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    const int groups = 1 + static_cast<int>(seed % 7), shapes = 2 + static_cast<int>(seed % 5);
+    RandomProblem p = Make(groups, shapes, groups * shapes + 3, seed);
+    p.square_root = false;
+    BlendReport report;
+    const Eigen::VectorXd b = SolveFast(p, &report);
+    EXPECT_TRUE(report.converged) << seed;
+    ExpectFeasible(p, b);
+    ExpectOptimal(p, b);
+    EXPECT_LE(p.Objective(b), SolveSlowly(p) * (1 + 1e-6) + 1e-9) << seed;
   }
 }
 

@@ -1,0 +1,367 @@
+// Each kernel of each instruction set against the formula in its header, written plainly; and all
+// sets with a fused multiply-add against each other, bit for bit.
+#include "solve/kernels/solve_kernels.h"
+
+#include "core/rotation_fit.h"
+#include "solve/rotation_planes.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+
+namespace limber {
+namespace {
+
+constexpr size_t kBlocks = 21;  // three chunks, the last not full
+
+class Numbers {
+ public:
+  AlignedVector<double> Some(size_t count) {
+    AlignedVector<double> numbers(count);
+    for (double& number : numbers)
+      number = range_(engine_);
+    return numbers;
+  }
+
+  template <int K>
+  AlignedVector<double> Rotations(size_t count) {
+    AlignedVector<double> planes(PaddedSize(count) * K * K);
+    SetIdentity<K>(&planes);
+    for (size_t i = 0; i < count; ++i) {
+      Eigen::Matrix<double, K, K> m;
+      for (double& entry : m.reshaped())
+        entry = range_(engine_);
+      const Eigen::Matrix<double, K, K> rotation = FitRotation<K>(m);
+      for (int row = 0; row < K; ++row) {
+        for (int column = 0; column < K; ++column)
+          planes[PlaneIndex<K>(i, size_t(row), size_t(column))] = rotation(row, column);
+      }
+    }
+    return planes;
+  }
+
+ private:
+  std::mt19937 engine_{7};
+  std::uniform_real_distribution<double> range_{-1, 1};
+};
+
+template <int K>
+Eigen::Matrix<double, K, K> RowMajor(const double* m) {
+  return Eigen::Map<const Eigen::Matrix<double, K, K, Eigen::RowMajor>>(m);
+}
+
+template <class Dimension>
+class SolveKernelsTest : public testing::Test {
+ protected:
+  static constexpr int kDimension = Dimension::value;
+
+  template <class Check>
+  void ForEachSet(const Check& check) {
+    for (const SolveKernels* const* set = AvailableSolveKernels<kDimension>(); *set != nullptr;
+         ++set) {
+      SCOPED_TRACE((*set)->instruction_set);
+      check(**set);
+    }
+  }
+
+  // What `run` computes must have the same bits in all sets but the baseline.
+  template <class Run>
+  void ExpectSameBits(const Run& run) {
+    AlignedVector<double> first;
+    ForEachSet([&](const SolveKernels& set) {
+      if (std::string(set.instruction_set) == "baseline") return;
+      const AlignedVector<double> result = run(set);
+      if (first.empty()) first = result;
+      EXPECT_EQ(std::memcmp(first.data(), result.data(), first.size() * sizeof(double)), 0);
+    });
+  }
+
+  Numbers numbers_;
+  const size_t chunks_ = NumChunks(kBlocks);
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(SolveKernelsTest, Dimensions);
+
+TYPED_TEST(SolveKernelsTest, VectorSums_AreTheirFormulas) {
+  const size_t rows = 5, size = this->chunks_ * kBlockLanes;
+  const auto x = this->numbers_.Some(size), y = this->numbers_.Some(size);
+  const auto table = this->numbers_.Some(rows * size), scales = this->numbers_.Some(rows);
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> sum = y;
+    set.add_scaled(0.3, x.data(), this->chunks_, sum.data());
+    set.add_rows(table.data(), size, scales.data(), rows, this->chunks_, sum.data());
+    sum.push_back(set.dot(x.data(), y.data(), this->chunks_));
+    return sum;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> sum = run(set);
+    double dot = 0;
+    for (size_t i = 0; i < size; ++i) {
+      double expected = y[i] + 0.3 * x[i];
+      for (size_t r = 0; r < rows; ++r)
+        expected += scales[r] * table[r * size + i];
+      EXPECT_NEAR(sum[i], expected, 1e-14);
+      dot += x[i] * y[i];
+    }
+    EXPECT_NEAR(sum.back(), dot, 1e-13);
+  });
+  this->ExpectSameBits(run);
+}
+
+TYPED_TEST(SolveKernelsTest, ColumnsAndProducts_AreTheirFormulas) {
+  constexpr int K = TypeParam::value;
+  const auto strip = this->numbers_.Some(this->chunks_ * kBlockLanes * K * K);
+  const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
+  const auto m = this->numbers_.Some(K * K);
+  const auto start = this->numbers_.Some(strip.size());
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> results(start);
+    set.add_product(strip.data(), m.data(), this->chunks_, results.data());
+    AlignedVector<double> column(this->chunks_ * kBlockLanes);
+    set.rotate_column(strip.data(), rotations.data(), m.data(), this->chunks_, column.data());
+    results.insert(results.end(), column.begin(), column.end());
+    return results;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> results = run(set);
+    for (size_t i = 0; i < kBlocks; ++i) {
+      // The strip's planes are (column, row).
+      const Eigen::Matrix<double, K, K> g = MatrixOfBlock<K>(strip.data(), i).transpose();
+      const Eigen::Matrix<double, K, K> product = g * RowMajor<K>(m.data()).transpose();
+      const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
+      EXPECT_NEAR(results[strip.size() + i], (rotation * product).trace(), 1e-14);
+      EXPECT_LT((MatrixOfBlock<K>(results.data(), i) - MatrixOfBlock<K>(start.data(), i) - product)
+                    .norm(),
+                1e-14);
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+TYPED_TEST(SolveKernelsTest, PinLoads_AreTheirFormulas) {
+  constexpr int K = TypeParam::value;
+  const size_t pins = 5, padded = this->chunks_ * kBlockLanes;
+  const auto loads = this->numbers_.Some(padded * K * pins);
+  const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
+  const auto values = this->numbers_.Some(pins * K), start = this->numbers_.Some(padded * K * K);
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> results(start);
+    set.add_loads(loads.data(), values.data(), pins, this->chunks_, results.data());
+    AlignedVector<double> rows(pins * K * padded);
+    set.rotate_loads(loads.data(), rotations.data(), pins, this->chunks_, rows.data());
+    results.insert(results.end(), rows.begin(), rows.end());
+    return results;
+  };
+  const auto load = [&](size_t i, int a, size_t p) {
+    return loads[((i / kBlockLanes * K + size_t(a)) * pins + p) * kBlockLanes + i % kBlockLanes];
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> results = run(set);
+    for (size_t i = 0; i < kBlocks; ++i) {
+      const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
+      for (int c = 0; c < K; ++c) {
+        for (int a = 0; a < K; ++a) {
+          double sum = start[PlaneIndex<K>(i, size_t(a), size_t(c))];
+          for (size_t p = 0; p < pins; ++p)
+            sum += load(i, a, p) * values[p * K + size_t(c)];
+          EXPECT_NEAR(results[PlaneIndex<K>(i, size_t(a), size_t(c))], sum, 1e-14);
+        }
+        for (size_t p = 0; p < pins; ++p) {
+          double turned = 0;
+          for (int a = 0; a < K; ++a)
+            turned += rotation(c, a) * load(i, a, p);
+          EXPECT_NEAR(results[start.size() + (p * K + size_t(c)) * padded + i], turned, 1e-14);
+        }
+      }
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+TYPED_TEST(SolveKernelsTest, ModelsOfOneShape_AreTheirFormulas) {
+  constexpr int K = TypeParam::value;
+  for (const size_t modes : {size_t{7}, size_t{12}}) {  // an odd and an even number of rows of U
+    const size_t stride = PaddedSize(modes), size = modes + K, packed = size * (size + 1) / 2;
+    const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
+    AlignedVector<double> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
+    AlignedVector<float> factors(this->chunks_ * packed * 8);
+    for (float& factor : factors)
+      factor = static_cast<float>(this->numbers_.Some(1)[0]);
+    const auto edge = this->numbers_.Some(kBlocks * K * modes);
+    for (size_t g = 0; g < kBlocks; ++g) {
+      for (size_t a = 0; a < K; ++a) {
+        for (size_t m = 0; m < modes; ++m) {
+          by_mode[(g * K + a) * stride + m] = edge[(g * K + a) * modes + m];
+          by_group[((g / 8 * modes + m) * K + a) * 8 + g % 8] = edge[(g * K + a) * modes + m];
+        }
+      }
+    }
+    AlignedVector<double> z(K * stride), fits(this->chunks_ * 8 * K * K), energies(fits.size());
+    const auto run = [&](const SolveKernels& set) {
+      set.single_modes(by_mode.data(), rotations.data(), kBlocks, stride / 8, z.data());
+      set.single_fits(by_group.data(), z.data(), modes, this->chunks_, fits.data());
+      set.single_energies(factors.data(), z.data(), rotations.data(), modes, this->chunks_,
+                          energies.data());
+      AlignedVector<double> all = z;
+      all.insert(all.end(), fits.begin(), fits.end());
+      all.insert(all.end(), energies.begin(), energies.end());
+      return all;
+    };
+    this->ForEachSet([&](const SolveKernels& set) {
+      run(set);
+      Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(Eigen::Index(modes), K);
+      const auto edges = [&](size_t g) {
+        return Eigen::Map<const Eigen::Matrix<double, K, Eigen::Dynamic, Eigen::RowMajor>>(
+            edge.data() + g * K * modes, K, Eigen::Index(modes));
+      };
+      for (size_t g = 0; g < kBlocks; ++g) {
+        const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
+        expected += edges(g).transpose() * rotation.transpose();
+      }
+      for (Eigen::Index m = 0; m < expected.rows(); ++m) {
+        for (Eigen::Index c = 0; c < K; ++c)
+          EXPECT_NEAR(z[size_t(c) * stride + size_t(m)], expected(m, c), 1e-13);
+      }
+      for (size_t g = 0; g < kBlocks; ++g) {
+        EXPECT_LT((MatrixOfBlock<K>(fits.data(), g) - edges(g) * expected).norm(), 1e-12);
+        Eigen::MatrixXd stacked(Eigen::Index(size), K);
+        const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
+        stacked << expected, -rotation.transpose();
+        double energy = 0;
+        size_t at = g / 8 * packed * 8 + g % 8;
+        for (Eigen::Index row = 0; row < stacked.rows(); ++row) {
+          Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(K);
+          for (Eigen::Index column = row; column < stacked.rows(); ++column, at += 8)
+            sum += double{factors[at]} * stacked.row(column);
+          energy += sum.squaredNorm();
+        }
+        EXPECT_NEAR(energies[g], energy, 1e-12 * energy);
+      }
+    });
+    this->ExpectSameBits(run);
+  }
+}
+
+TYPED_TEST(SolveKernelsTest, Cholesky_SolvesAndSurvivesSingularSystems) {
+  for (const size_t size : {size_t{1}, size_t{7}, size_t{8}, size_t{19}}) {
+    const size_t stride = PaddedSize(size);
+    const auto entries = this->numbers_.Some(size * size);
+    const Eigen::Map<const Eigen::MatrixXd> b(entries.data(), Eigen::Index(size),
+                                              Eigen::Index(size));
+    const Eigen::MatrixXd a =
+        b * b.transpose() + 0.1 * Eigen::MatrixXd::Identity(b.rows(), b.rows());
+    const auto right = this->numbers_.Some(size);
+    const auto run = [&](const SolveKernels& set) {
+      AlignedVector<double> factor(size * stride), x(stride);
+      for (size_t j = 0; j < size; ++j)
+        std::copy_n(a.col(Eigen::Index(j)).data(), size, factor.data() + j * stride);
+      std::copy_n(right.data(), size, x.data());
+      set.cholesky_factor(factor.data(), size, stride);
+      set.cholesky_solve(factor.data(), size, stride, x.data());
+      return x;
+    };
+    const Eigen::VectorXd expected =
+        a.llt().solve(Eigen::Map<const Eigen::VectorXd>(right.data(), Eigen::Index(size)));
+    this->ForEachSet([&](const SolveKernels& set) {
+      const AlignedVector<double> x = run(set);
+      for (size_t i = 0; i < stride; ++i)
+        EXPECT_NEAR(x[i], i < size ? expected[Eigen::Index(i)] : 0, 1e-10) << i;
+      AlignedVector<double> ones(size * stride, 1.0), y(stride, 0.0);
+      y[0] = 1;
+      set.cholesky_factor(ones.data(), size, stride);
+      set.cholesky_solve(ones.data(), size, stride, y.data());
+      for (const double value : y)
+        EXPECT_TRUE(std::isfinite(value));
+    });
+    this->ExpectSameBits(run);
+  }
+}
+
+// From starts near and far: what the kernel calls done is what a singular value decomposition
+// gives, and what it gives up is as it was.
+TYPED_TEST(SolveKernelsTest, Procrustes_IsTheGlobalMaximumOrSaysSo) {
+  constexpr int K = TypeParam::value;
+  const auto fits = this->numbers_.Some(this->chunks_ * 8 * K * K);
+  for (const double distance : {0.0, 0.1, 0.5, 3.0}) {
+    AlignedVector<double> starts(fits.size());
+    SetIdentity<K>(&starts);
+    for (size_t i = 0; i < kBlocks; ++i) {
+      Eigen::Matrix<double, K, K> turned = FitRotation<K>(MatrixOfBlock<K>(fits.data(), i));
+      if constexpr (K == 3) {
+        turned =
+            Eigen::AngleAxisd(distance, Eigen::Vector3d(1, double(i), -2).normalized()) * turned;
+      } else {
+        turned = Eigen::Rotation2Dd(distance) * turned;
+      }
+      for (int entry = 0; entry < K * K; ++entry) {
+        starts[PlaneIndex<K>(i, size_t(entry / K), size_t(entry % K))] =
+            turned(entry / K, entry % K);
+      }
+    }
+    const auto run = [&](const SolveKernels& set) {
+      AlignedVector<double> rotations = starts;
+      std::vector<uint8_t> failed(this->chunks_ * 8);
+      set.fit_rotations(fits.data(), rotations.data(), this->chunks_, failed.data());
+      size_t done = 0;
+      for (size_t i = 0; i < kBlocks; ++i) {
+        const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
+        const Eigen::Matrix<double, K, K> best = FitRotation<K>(MatrixOfBlock<K>(fits.data(), i));
+        EXPECT_LT(
+            (rotation * rotation.transpose() - Eigen::Matrix<double, K, K>::Identity()).norm(),
+            1e-13);
+        if (failed[i] != 0) continue;
+        ++done;
+        EXPECT_NEAR((rotation * MatrixOfBlock<K>(fits.data(), i)).trace(),
+                    (best * MatrixOfBlock<K>(fits.data(), i)).trace(), 1e-12);
+        EXPECT_LT((rotation - best).norm(), 1e-7) << i;
+      }
+      if (distance <= 0.1) {
+        EXPECT_EQ(done, kBlocks);
+      }
+      return rotations;
+    };
+    this->ForEachSet([&](const SolveKernels& set) { run(set); });
+    this->ExpectSameBits(run);
+  }
+}
+
+// Nothing to go by, edges on one line, a reflection with equal singular values: the rotation stays
+// as near as it can to what it was, frame after frame.
+TYPED_TEST(SolveKernelsTest, Procrustes_WhereSeveralServe_KeepsTheLast) {
+  constexpr int K = TypeParam::value;
+  using Matrix = Eigen::Matrix<double, K, K>;
+  const auto starts = this->numbers_.template Rotations<K>(kBlocks);
+  AlignedVector<double> fits(starts.size());
+  Matrix line = Matrix::Zero(), mirrored = -Matrix::Identity();
+  line(0, 0) = 1;
+  if (K == 2) mirrored(0, 0) = 1;
+  for (size_t i = 0; i < kBlocks; ++i) {
+    // Block 0, 3, ...: zero. 1, 4, ...: satisfied by the start already, but not only by it.
+    const Matrix& pattern = i % 3 == 1 ? line : mirrored;
+    const Matrix fit = pattern * MatrixOfBlock<K>(starts.data(), i).transpose();
+    for (int entry = 0; entry < K * K; ++entry) {
+      fits[PlaneIndex<K>(i, size_t(entry / K), size_t(entry % K))] =
+          i % 3 == 0 ? 0 : fit(entry / K, entry % K);
+    }
+  }
+  this->ForEachSet([&](const SolveKernels& set) {
+    AlignedVector<double> rotations = starts;
+    std::vector<uint8_t> failed(this->chunks_ * 8);
+    for (int frame = 0; frame < 1000; ++frame)
+      set.fit_rotations(fits.data(), rotations.data(), this->chunks_, failed.data());
+    for (size_t i = 0; i < kBlocks; ++i) {
+      const Matrix rotation = MatrixOfBlock<K>(rotations.data(), i);
+      EXPECT_LT((rotation * rotation.transpose() - Matrix::Identity()).norm(), 1e-13);
+      if (i % 3 == 2) continue;  // at a reflection every choice is as good: only no drift is asked
+      EXPECT_LT((rotation - MatrixOfBlock<K>(starts.data(), i)).norm(), 1e-9) << i;
+    }
+  });
+}
+
+}  // namespace
+}  // namespace limber
