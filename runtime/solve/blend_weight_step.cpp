@@ -74,8 +74,10 @@ void BlendWeightStep::DropUnused(const double* blend) {
     used_[static_cast<size_t>(kept++)] = static_cast<int>(block);
   }
   used_.resize(static_cast<size_t>(kept));
-  for (size_t slot = 0; slot < used_.size(); ++slot)
+  for (size_t slot = 0; slot < used_.size(); ++slot) {
     Place(slot);
+    weights_[slot] = blend[used_[slot]];
+  }
 }
 
 // The products of a slot, whose column and load are there, with those before it.
@@ -258,19 +260,25 @@ bool BlendWeightStep::MoveTowards(bool bounded, double* blend) {
   return false;
 }
 
-// Frees the weights at their bound whose multiplier is negative; returns the largest violation.
-double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* blend,
-                                     bool one_only) {
-  const double outer =
-      problem.square_root ? 0.5 / std::sqrt(value_ + problem.delta_squared) : 1.0;
+// Frees the weights at their bound whose multiplier is negative, the worst of each group or of all;
+// sets report's violation to the largest. False: none was freed.
+bool BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only,
+                                   BlendReport* report) {
+  const double outer = problem.square_root ? 0.5 / std::sqrt(value_ + problem.delta_squared) : 1.0;
   const auto slope = [&](int j) {
     return outer * gradient_[static_cast<size_t>(j)] + problem.nearness[j];
   };
   double scale = 0;
   for (int j = 0; j < num_blocks_; ++j)
     scale = std::max(scale, std::abs(slope(j)));
+  bool freed = false;
   double worst = 0;
   int worst_block = -1;
+  const auto release = [&](int block) {
+    if (block < 0 || !Use(problem, block, blend)) return;
+    is_free_[static_cast<size_t>(block)] = 1;
+    freed = true;
+  };
   for (int g = 0; g < num_groups_; ++g) {
     const double level = slope(reference_[static_cast<size_t>(g)]);
     double group_worst = -kMultiplierTolerance * scale;
@@ -282,19 +290,15 @@ double BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* 
         group_block = j;
       }
     }
-    if (group_block < 0) continue;
-    if (!one_only && Use(problem, group_block, blend)) {
-      is_free_[static_cast<size_t>(group_block)] = 1;
-    }
-    if (group_worst < worst) {
+    if (group_block >= 0 && group_worst < worst) {
       worst = group_worst;
       worst_block = group_block;
     }
+    if (!one_only) release(group_block);
   }
-  if (one_only && worst_block >= 0 && Use(problem, worst_block, blend)) {
-    is_free_[static_cast<size_t>(worst_block)] = 1;
-  }
-  return worst < 0 ? -worst / scale : 0;
+  if (one_only) release(worst_block);
+  report->violation = worst < 0 ? -worst / scale : 0;
+  return freed;
 }
 
 // Nothing to gain: f is rounding, and all weights in use are on the nearest examples.
@@ -335,18 +339,19 @@ BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   double last_objective = std::numeric_limits<double>::infinity();
   for (report.faces = 1; report.faces <= most_faces; ++report.faces) {
     CollectFree(blend);
-    UpdateUsedGradient(problem, blend);
-    if (!free_.empty() && !MoveTowards(MinimiserOnFace(problem), blend)) continue;
-    UpdateUsedGradient(problem, blend);
+    if (!free_.empty()) {
+      const bool reached = MoveTowards(MinimiserOnFace(problem), blend);
+      UpdateUsedGradient(problem, blend);
+      if (!reached) continue;
+    }
     UpdateFullGradient(problem, blend);
     // Freeing one weight in every group at once is quick; where that gained nothing (degenerate
     // corners), one at a time always does.
     const double objective = Objective(problem, blend);
     const bool gained = objective < last_objective * (1 - 1e-14);
     last_objective = objective;
-    report.violation = ReleaseBound(problem, blend, !gained);
-    if (report.violation == 0) {
-      report.converged = true;
+    if (!ReleaseBound(problem, blend, !gained, &report)) {
+      report.converged = report.violation == 0;  // else there is no room for another weight
       break;
     }
   }

@@ -44,10 +44,11 @@ struct BlendProblem {
 };
 
 struct BlendReport {
-  int faces = 0;           // faces visited
-  int used = 0;            // weights that were free at some time: columns of Q computed
-  double violation = 0;    // largest negative multiplier left, relative to the largest gradient
-  bool converged = false;  // false: the visit limit was reached; B is feasible all the same
+  int faces = 0;         // faces visited
+  int used = 0;          // weights that were free at some time: columns of Q computed
+  double violation = 0;  // largest negative multiplier left, relative to the largest gradient
+  // False: the limit of visits, or of weights in use, was reached; B is feasible all the same.
+  bool converged = false;
 };
 
 class BlendWeightStep {
@@ -75,7 +76,8 @@ class BlendWeightStep {
   void BuildHessian(const BlendProblem& problem);
   bool MinimiserOnFace(const BlendProblem& problem);
   bool MoveTowards(bool bounded, double* blend);
-  double ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only);
+  bool ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only,
+                    BlendReport* report);
   double Objective(const BlendProblem& problem, const double* blend) const;
 
   double* column(int slot) { return columns_.data() + static_cast<size_t>(slot) * padded_; }

@@ -23,8 +23,8 @@ struct PoseOptions {
   int iterations = 1;     // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
   float lambda = 0.5f;    // weight of nearness in eq. 10; 0: shape space only
   bool rotations = true;  // false: all R = I, one convex solve, globally optimal
-  // false: E_d + lambda sum B D in place of eq. 10's roots; softer transitions between shapes, and a
-  // plain quadratic program.
+  // false: E_d + lambda sum B D in place of eq. 10's roots; softer transitions between shapes, and
+  // a plain quadratic program.
   bool square_roots = true;
   bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.

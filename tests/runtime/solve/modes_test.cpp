@@ -1,5 +1,5 @@
-// The paper's variants of the energy: one blend for the whole character, no square roots, extremes of
-// lambda.
+// The paper's variants of the energy: one blend for the whole character, no square roots, extremes
+// of lambda.
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
 
