@@ -29,7 +29,7 @@ declare -A packages=(
     libglm-dev libembree-dev libtbb-dev libglfw3-dev libvulkan-dev libvulkan-volk-dev
     libgtest-dev libbenchmark-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
-  [tests]="vulkan-validationlayers spirv-tools xvfb xauth xdotool clang-format clang-tidy
+  [tests]="git vulkan-validationlayers spirv-tools xvfb xauth xdotool clang-format clang-tidy
     shellcheck"
 )
 

@@ -132,9 +132,15 @@ run_tests() {
 
 sources() { git ls-files --cached --others --exclude-standard -- "$@"; }
 
+# A check of nothing is no check.
+there_are() {
+  [[ $1 -gt 0 ]] || { printf 'no files to look at: is this a clone with git?\n'; return 1; }
+}
+
 check_format() {
   local files unformatted
   mapfile -t files < <(sources '*.cpp' '*.h' '*.hpp' '*.c')
+  there_are "${#files[@]}" || return 1
   unformatted=$(clang-format --dry-run --Werror "${files[@]}" 2>&1 |
     sed -n 's/^\([^ :]*\):[0-9].*error.*/\1/p' | sort -u)
   [[ -z $unformatted ]] && return 0
@@ -145,6 +151,7 @@ check_format() {
 check_scripts() {
   local files
   mapfile -t files < <(sources '*.sh' .ci/run)
+  there_are "${#files[@]}" || return 1
   shellcheck -x "${files[@]}"
 }
 
@@ -172,6 +179,7 @@ check_tidy() {
   while IFS= read -r file; do
     grep -qF "/$file\"" build/release/compile_commands.json && files+=("$file")
   done < <(sources_newest_first)
+  there_are "${#files[@]}" || return 1
   # shellcheck disable=SC2016  # expanded by the inner shell
   printf '%s\n' "${files[@]}" | xargs -P "$jobs" -I{} bash -c 'tidy_one "$@"' _ {} \
     "$(($(date +%s) + seconds))" > "$log"
