@@ -67,7 +67,7 @@ Alternation<K>::Alternation(const PoseModel& model)
       column_(blend_),
       product_(rotations_),
       fits_(rotations_),
-      pin_values_(goal_.size() + K * (K + 1)),
+      pin_values_(goal_.size() + size_t{K} * (K + 1)),
       transforms_(model.row_chunks() * kBlockLanes * K),
       failed_(blend_.size()),
       blend_step_(kernels_, model.num_groups, model.num_shapes, static_cast<int>(goal_.size())),
@@ -163,7 +163,7 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
     double m[K * K];
     ScaledRotation<K>(rotations_, j, blend_[static_cast<size_t>(j)], m);
     kernels_.add_product(model.NearColumn(j), m, model.near_chunks(j),
-                         fits_.data() + model.near_first(j) * kBlockLanes * K * K);
+                         fits_.data() + model.near_first(j) * kBlockLanes * (size_t{K} * K));
   }
   UpdateResidual(model);  // of the last B and R, for the present targets
   kernels_.add_loads(model.pins->loads.data(), residual_.data(), model.pins->rank(), model.chunks(),

@@ -98,6 +98,7 @@ void LayOutTransforms(const RigTables& tables, PoseModel* model) {
   }
 }
 
+// Group g's edges of shape s, an axis and a mode after the other, both ways round.
 void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
   const auto shapes = static_cast<size_t>(model->num_shapes);
   const auto groups = static_cast<size_t>(model->num_groups);
@@ -106,19 +107,14 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
   model->single_edges_by_mode.assign(shapes * groups * k * stride, 0.0);
   const size_t shape_size = model->group_chunks() * r1 * k * kBlockLanes;
   model->single_edges_by_group.assign(shapes * shape_size, 0.0);
-  const float* edge = tables.single_edges.data();
-  for (size_t s = 0; s < shapes; ++s) {
-    for (size_t g = 0; g < groups; ++g) {
-      for (size_t a = 0; a < k; ++a) {
-        for (size_t m = 0; m < r1; ++m, ++edge) {
-          model->single_edges_by_mode[((s * groups + g) * k + a) * stride + m] =
-              static_cast<double>(*edge);
-          model->single_edges_by_group[s * shape_size +
-                                       ((g / kBlockLanes * r1 + m) * k + a) * kBlockLanes +
-                                       g % kBlockLanes] = static_cast<double>(*edge);
-        }
-      }
-    }
+  const float* edges = tables.single_edges.data();
+  for (size_t row = 0; row < shapes * groups * k; ++row, edges += r1) {
+    const size_t s = row / (groups * k), g = row / k % groups, a = row % k;
+    double* by_mode = model->single_edges_by_mode.data() + row * stride;
+    double* by_group = model->single_edges_by_group.data() + s * shape_size +
+                       (g / kBlockLanes * r1 * k + a) * kBlockLanes + g % kBlockLanes;
+    for (size_t m = 0; m < r1; ++m)
+      by_mode[m] = by_group[m * k * kBlockLanes] = static_cast<double>(edges[m]);
   }
 }
 

@@ -53,12 +53,12 @@ class PoseModel {
   }
 
   size_t near_first(int block) const {
-    return static_cast<size_t>(block / num_shapes * num_shapes) / kBlockLanes;
+    return static_cast<size_t>(block - block % num_shapes) / kBlockLanes;
   }
 
   size_t near_chunks(int block) const {
-    const int group = block / num_shapes;
-    return NumChunks(static_cast<size_t>((group + 1) * num_shapes)) - near_first(block);
+    const int end = block - block % num_shapes + num_shapes;
+    return NumChunks(static_cast<size_t>(end)) - near_first(block);
   }
 
   bool is_folded = false;

@@ -97,9 +97,8 @@ void PoseState::Impl::StoreTarget(int handle, Vec3 position) {
   }
   std::visit(
       [&](auto& unknowns) {
-        for (int axis = 0; axis < model->k; ++axis) {
-          unknowns.targets[static_cast<size_t>(pin * model->k + axis)] = rig_position[axis];
-        }
+        double* target = unknowns.targets.data() + ptrdiff_t{pin} * model->k;
+        std::copy_n(rig_position, model->k, target);
       },
       alternation);
 }

@@ -12,7 +12,7 @@ namespace limber {
 
 template <int K>
 void SetIdentity(AlignedVector<double>* planes) {
-  for (size_t i = 0; i < planes->size() / (K * K); ++i) {
+  for (size_t i = 0; i < planes->size() / (size_t{K} * K); ++i) {
     for (size_t row = 0; row < K; ++row) {
       for (size_t column = 0; column < K; ++column)
         (*planes)[PlaneIndex<K>(i, row, column)] = row == column ? 1 : 0;

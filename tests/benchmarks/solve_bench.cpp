@@ -19,7 +19,8 @@ struct Character {
 constexpr Character kCharacters[] = {{"face", {4000, 9, 6}},
                                      {"horse", {4000, 10, 3}},
                                      {"head", {4000, 6, 7}},
-                                     {"single_shape", {4000, 10, 1, 20}}};
+                                     {"single_shape", {4000, 10, 1, 20}},
+                                     {"H32_S16", {4000, 32, 16}}};
 
 PoseState CreatePose(const std::shared_ptr<const Rig>& rig) {
   auto pose = PoseState::Create(rig);

@@ -207,11 +207,9 @@ static void SingleFits(const double* edges, const double* modes, size_t num_mode
 // Adds entries of two rows of U times [z; -R^T] over the columns from `column` on: two rows' sums
 // hide each other's latency.
 template <int K>
-static inline __attribute__((always_inline)) void AddRowPair(const float* upper, const float* lower,
-                                                             const double* modes,
-                                                             const double* rotation, size_t column,
-                                                             size_t num_modes,
-                                                             Lanes (&sums)[2][K]) {
+static inline __attribute__((always_inline)) void AddRowPair(  // NOLINT: parameters inlined away
+    const float* upper, const float* lower, const double* modes, const double* rotation,
+    size_t column, size_t num_modes, Lanes (&sums)[2][K]) {
   const size_t stride = PaddedSize(num_modes);
   for (; column < num_modes; ++column, upper += kLanes, lower += kLanes) {
     const Lanes first = Load(upper), second = Load(lower);
