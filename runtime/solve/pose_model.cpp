@@ -163,8 +163,7 @@ void LayOutTables(PoseModel* model) {
 
 }  // namespace
 
-Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const Rig> rig) {
-  if (rig == nullptr) return Error(StatusCode::kInvalidArgument, "no rig was given");
+Result<std::shared_ptr<const PoseModel>> PoseModel::Build(std::shared_ptr<const Rig> rig) {
   const RigTables& tables = rig->tables();
   const int blocks = tables.num_groups * tables.num_shapes();
   const int columns = blocks * (tables.has_rotations ? tables.dimension : 1);
@@ -198,6 +197,11 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const
   model->rig = std::move(rig);
   LayOutTables(model.get());
   return std::shared_ptr<const PoseModel>(std::move(model));
+}
+
+Result<std::shared_ptr<const PoseModel>> PoseModel::Create(std::shared_ptr<const Rig> rig) {
+  if (rig == nullptr) return Error(StatusCode::kInvalidArgument, "no rig was given");
+  return CatchOutOfMemory(rig->name(), [&] { return Build(rig); });
 }
 
 }  // namespace limber

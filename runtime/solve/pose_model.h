@@ -74,6 +74,7 @@ class PoseModel {
 
  private:
   PoseModel() = default;
+  static Result<std::shared_ptr<const PoseModel>> Build(std::shared_ptr<const Rig> rig);
 };
 
 }  // namespace limber

@@ -1,5 +1,6 @@
 #include "solve/pose_solver.h"
 
+#include "core/out_of_memory.h"
 #include "solve/alternation.h"
 #include "solve/pose_model.h"
 
@@ -210,7 +211,9 @@ PoseState::~PoseState() = default;
 
 Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model) {
   if (model == nullptr) return Error(StatusCode::kInvalidArgument, "no pose model was given");
-  return PoseState(std::make_unique<Impl>(std::move(model)));
+  return CatchOutOfMemory(model->rig->name(), [&]() -> Result<PoseState> {
+    return PoseState(std::make_unique<Impl>(model));
+  });
 }
 
 Result<PoseState> PoseState::Create(std::shared_ptr<const Rig> rig) {

@@ -46,7 +46,8 @@ struct PoseReport {
 class PoseState {
  public:
   // The state at rest: targets at the handles' rest positions, settled on the first example shape.
-  // The second form builds a PoseModel for itself; characters of one rig should share one.
+  // The second form builds a PoseModel for itself; characters of one rig should share one. Errors:
+  // kInvalidArgument (null), those of PoseModel::Create, kOutOfMemory.
   static Result<PoseState> Create(std::shared_ptr<const PoseModel> model);
   static Result<PoseState> Create(std::shared_ptr<const Rig> rig);
   PoseState(PoseState&&) noexcept;
