@@ -59,7 +59,6 @@ Alternation<K>::Alternation(const PoseModel& model)
       last_rotations_(rotations_),
       blend_(model.chunks() * kBlockLanes),
       last_blend_(blend_),
-      distances_(blend_),
       nearness_(blend_),
       rows_(targets.size() * blend_.size()),
       goal_(targets.size()),
@@ -182,12 +181,38 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
 }
 
 template <int K>
-BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model, const Settings& settings) {
-  const double floor = kNearnessFloor * std::sqrt(model.energy_scale);
-  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
-    const double root = std::max(std::sqrt(distances_[i]), floor);
-    nearness_[i] = settings.lambda * (settings.square_roots ? root : root * root);
+class Alternation<K>::Term final : public NearnessTerm {
+ public:
+  Term(const PoseModel& model, Alternation* owner) : model_(model), owner_(owner) {}
+
+  double Exact(int block) override {
+    return owner_->NearnessOf(model_, owner_->nearness_step_.Root(model_, block));
   }
+
+ private:
+  const PoseModel& model_;
+  Alternation* owner_;
+};
+
+// What a root of D contributes to the objective.
+template <int K>
+double Alternation<K>::NearnessOf(const PoseModel& model, double root) const {
+  const double floored = std::max(root, kNearnessFloor * std::sqrt(model.energy_scale));
+  return settings_.lambda * (settings_.square_roots ? floored : floored * floored);
+}
+
+template <int K>
+double Alternation<K>::Distance(const PoseModel& model, int block) {
+  const double root = nearness_step_.Root(model, block);
+  return root * root;
+}
+
+template <int K>
+BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model) {
+  for (int block = 0; block < model.num_blocks; ++block) {
+    nearness_[static_cast<size_t>(block)] = NearnessOf(model, nearness_step_.LowerBound(block));
+  }
+  Term term(model, this);
   RotatedColumns<K> columns(model, rotations_);
   BlendProblem problem;
   problem.quadratic = &columns;
@@ -195,11 +220,12 @@ BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model, const Settin
   problem.rows = rows_.data();
   problem.goal = goal_.data();
   problem.nearness = nearness_.data();
-  problem.square_root = settings.square_roots;
+  problem.nearness_term = &term;
+  problem.square_root = settings_.square_roots;
   problem.delta_squared = kSmoothing * model.energy_scale;
   problem.proximal = kProximal * model.energy_scale;
   problem.matched = kMatched * model.energy_scale;
-  if (!settings.varying_blend) return SolveUniformStep(model, problem);
+  if (!settings_.varying_blend) return SolveUniformStep(model, problem);
   return blend_step_.Solve(problem, blend_.data());
 }
 
@@ -213,7 +239,7 @@ BlendReport Alternation<K>::SolveUniformStep(const PoseModel& model, const Blend
   std::fill(uniform_rows_.begin(), uniform_rows_.end(), 0.0);
   for (size_t i = 0; i < blocks; ++i) {
     uniform_blend_[i % shapes] += blend_[i] / model.num_groups;
-    uniform_nearness_[i % shapes] += nearness_[i];
+    uniform_nearness_[i % shapes] += varying.nearness_term->Exact(static_cast<int>(i));
     for (size_t row = 0; row < static_cast<size_t>(varying.num_rows); ++row)
       uniform_rows_[row * padded + i % shapes] += rows_[row * blend_.size() + i];
   }
@@ -222,6 +248,7 @@ BlendReport Alternation<K>::SolveUniformStep(const PoseModel& model, const Blend
   problem.quadratic = &columns;
   problem.rows = uniform_rows_.data();
   problem.nearness = uniform_nearness_.data();
+  problem.nearness_term = nullptr;  // exact already
   const BlendReport report = uniform_step_.Solve(problem, uniform_blend_.data());
   for (size_t i = 0; i < blocks; ++i)
     blend_[i] = uniform_blend_[i % shapes];
@@ -232,6 +259,7 @@ template <int K>
 typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
                                                      const Settings& settings) {
   Outcome outcome;
+  settings_ = settings;
   UpdateGoal(model);
   if (settings.rotations) {
     outcome.change = FitRotations(model);
@@ -240,9 +268,9 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   }
   RotateLoads(model);
   if (model.num_shapes > 1) {
-    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations, distances_.data());
+    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations);
     last_blend_ = blend_;
-    outcome.convex = SolveConvexStep(model, settings);
+    outcome.convex = SolveConvexStep(model);
     for (size_t i = 0; i < blend_.size(); ++i)
       outcome.change = std::max(outcome.change, std::abs(blend_[i] - last_blend_[i]));
   }
@@ -252,13 +280,16 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
 }
 
 template <int K>
-double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) const {
+double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) {
   *nearness = 0;
   double energy =
       0.5 * kernels_.dot(residual_.data(), residual_.data(), residual_.size() / kBlockLanes);
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend_[i] == 0) continue;
-    *nearness += blend_[i] * nearness_[i];
+    if (model.num_shapes > 1) {
+      const double root = nearness_step_.Root(model, static_cast<int>(i));
+      *nearness += blend_[i] * NearnessOf(model, root);
+    }
     double half = 0;
     if (model.is_folded) {
       half = kernels_.dot(model.GramColumn(static_cast<int>(i)), blend_.data(), model.chunks());

@@ -72,12 +72,16 @@ class Alternation {
 
   explicit Alternation(const PoseModel& model);
 
+  // The linear term of the convex step, lambda sqrt(D) or lambda D.
+  class Term;
+
   // B on the first shape, all rotations the identity. Targets stay.
   void ResetToRest(const PoseModel& model);
   // R for the present targets and the last B, then D and B (eq. 22, 10, 20).
   Outcome Run(const PoseModel& model, const Settings& settings);
-  // At the present unknowns E_d, and lambda sum B sqrt(D) (or D) in *nearness.
-  double ElasticEnergy(const PoseModel& model, double* nearness) const;
+  // At the present unknowns E_d, and lambda sum B sqrt(D) (or D) in *nearness, of the last
+  // settings.
+  double ElasticEnergy(const PoseModel& model, double* nearness);
   // T^: [row chunk][K][8], valid until the next call.
   const AlignedVector<double>& Transforms(const PoseModel& model);
 
@@ -87,7 +91,7 @@ class Alternation {
 
   Rotation rotation(int block) const;  // R
 
-  const AlignedVector<double>& distances() const { return distances_; }  // D, [G*S]
+  double Distance(const PoseModel& model, int block);  // D
 
  private:
   void HoldRotationsAtIdentity();
@@ -96,14 +100,16 @@ class Alternation {
   void RotateLoads(const PoseModel& model);
   void UpdateResidual(const PoseModel& model);
   void UpdateProduct(const PoseModel& model);
-  BlendReport SolveConvexStep(const PoseModel& model, const Settings& settings);
+  BlendReport SolveConvexStep(const PoseModel& model);
   BlendReport SolveUniformStep(const PoseModel& model, const BlendProblem& varying);
+  double NearnessOf(const PoseModel& model, double root) const;
 
   const SolveKernels& kernels_;
+  Settings settings_;                                 // of the last Run
   AlignedVector<double> rotations_, last_rotations_;  // R, planes
   bool are_identity_ = false;                         // all R = I
   AlignedVector<double> blend_, last_blend_;          // B, [padded]
-  AlignedVector<double> distances_, nearness_;        // D and lambda sqrt(D), [padded]
+  AlignedVector<double> nearness_;                    // lambda sqrt(D) or less, [padded]
   AlignedVector<double> rows_;                        // L^T V_j^T R_j^T: [q][K][padded]
   AlignedVector<double> goal_, residual_;             // L^T X and e, [q][K]
   AlignedVector<double> column_;                      // [padded], scratch

@@ -38,6 +38,8 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
       products_(quadratic_),
       is_free_(static_cast<size_t>(num_blocks_)),
       reference_(static_cast<size_t>(num_groups)),
+      nearness_(static_cast<size_t>(num_blocks_)),
+      is_exact_(static_cast<size_t>(num_blocks_)),
       gradient_(padded_),
       residual_(row_stride_),
       start_(static_cast<size_t>(num_blocks_)),
@@ -102,6 +104,7 @@ void BlendWeightStep::Place(size_t slot) {
 
 // Gives a weight a slot; false where there is no room left.
 bool BlendWeightStep::Use(const BlendProblem& problem, int block, const double* blend) {
+  Nearness(problem, block);
   if (slot_[static_cast<size_t>(block)] >= 0) return true;
   if (static_cast<int>(used_.size()) == max_used_) DropUnused(blend);
   if (static_cast<int>(used_.size()) == max_used_) return false;
@@ -210,7 +213,7 @@ bool BlendWeightStep::MinimiserOnFace(const BlendProblem& problem) {
     const auto reference =
         static_cast<size_t>(reference_[static_cast<size_t>(free_[a] / num_shapes_)]);
     newton_[a] = slope_[a] = gradient_[reference] - gradient_[block];
-    direction_[a] = problem.nearness[reference] - problem.nearness[block];
+    direction_[a] = nearness_[reference] - nearness_[block];
   }
   kernels_.cholesky_solve(hessian_.data(), size, stride, newton_.data());
   const double reached =
@@ -260,17 +263,47 @@ bool BlendWeightStep::MoveTowards(bool bounded, double* blend) {
   return false;
 }
 
+// The linear term of one weight, exactly.
+double BlendWeightStep::Nearness(const BlendProblem& problem, int block) {
+  const auto i = static_cast<size_t>(block);
+  if (is_exact_[i] == 0) {
+    if (problem.nearness_term != nullptr) nearness_[i] = problem.nearness_term->Exact(block);
+    is_exact_[i] = 1;
+  }
+  return nearness_[i];
+}
+
+// The most negative multiplier of a group's weights at their bound, and in *block whose it is; none
+// (-1) where all are above -tolerance. A lower bound that is good enough is not looked behind.
+double BlendWeightStep::WorstOfGroup(const BlendProblem& problem, const double* blend, int group,
+                                     double outer, double tolerance, int* block) {
+  const auto slope = [&](int j) {
+    return outer * gradient_[static_cast<size_t>(j)] + nearness_[static_cast<size_t>(j)];
+  };
+  const double level = slope(reference_[static_cast<size_t>(group)]);
+  double worst = -tolerance;
+  *block = -1;
+  for (int j = group * num_shapes_; j < (group + 1) * num_shapes_; ++j) {
+    if (is_free_[static_cast<size_t>(j)] != 0 || blend[j] != 0) continue;
+    if (slope(j) - level >= worst) continue;
+    Nearness(problem, j);
+    if (slope(j) - level >= worst) continue;
+    worst = slope(j) - level;
+    *block = j;
+  }
+  return worst;
+}
+
 // Frees the weights at their bound whose multiplier is negative, the worst of each group or of all;
 // sets report's violation to the largest. False: none was freed.
 bool BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only,
                                    BlendReport* report) {
   const double outer = problem.square_root ? 0.5 / std::sqrt(value_ + problem.delta_squared) : 1.0;
-  const auto slope = [&](int j) {
-    return outer * gradient_[static_cast<size_t>(j)] + problem.nearness[j];
-  };
   double scale = 0;
-  for (int j = 0; j < num_blocks_; ++j)
-    scale = std::max(scale, std::abs(slope(j)));
+  for (const int block : used_) {
+    const auto i = static_cast<size_t>(block);
+    scale = std::max(scale, std::abs(outer * gradient_[i] + nearness_[i]));
+  }
   bool freed = false;
   double worst = 0;
   int worst_block = -1;
@@ -280,21 +313,14 @@ bool BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* bl
     freed = true;
   };
   for (int g = 0; g < num_groups_; ++g) {
-    const double level = slope(reference_[static_cast<size_t>(g)]);
-    double group_worst = -kMultiplierTolerance * scale;
-    int group_block = -1;
-    for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
-      if (is_free_[static_cast<size_t>(j)] == 0 && blend[j] == 0 &&
-          slope(j) - level < group_worst) {
-        group_worst = slope(j) - level;
-        group_block = j;
-      }
-    }
-    if (group_block >= 0 && group_worst < worst) {
+    int block = -1;
+    const double group_worst =
+        WorstOfGroup(problem, blend, g, outer, kMultiplierTolerance * scale, &block);
+    if (block >= 0 && group_worst < worst) {
       worst = group_worst;
-      worst_block = group_block;
+      worst_block = block;
     }
-    if (!one_only) release(group_block);
+    if (!one_only) release(block);
   }
   if (one_only) release(worst_block);
   report->violation = worst < 0 ? -worst / scale : 0;
@@ -302,13 +328,18 @@ bool BlendWeightStep::ReleaseBound(const BlendProblem& problem, const double* bl
 }
 
 // Nothing to gain: f is rounding, and all weights in use are on the nearest examples.
-bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* blend) const {
+bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* blend) {
   if (value_ > problem.matched) return false;
   for (int g = 0; g < num_groups_; ++g) {
-    const double* nearness = problem.nearness + static_cast<ptrdiff_t>(g) * num_shapes_;
-    const double nearest = *std::min_element(nearness, nearness + num_shapes_);
-    for (int s = 0; s < num_shapes_; ++s) {
-      if (blend[g * num_shapes_ + s] > 0 && nearness[s] > nearest) return false;
+    double farthest_used = 0;
+    for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
+      if (blend[j] > 0) farthest_used = std::max(farthest_used, Nearness(problem, j));
+    }
+    for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
+      if (nearness_[static_cast<size_t>(j)] < farthest_used &&
+          Nearness(problem, j) < farthest_used) {
+        return false;
+      }
     }
   }
   return true;
@@ -317,7 +348,7 @@ bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* 
 double BlendWeightStep::Objective(const BlendProblem& problem, const double* blend) const {
   double objective = problem.square_root ? std::sqrt(value_ + problem.delta_squared) : value_;
   for (const int block : used_)
-    objective += problem.nearness[block] * blend[block];
+    objective += nearness_[static_cast<size_t>(block)] * blend[block];
   return objective;
 }
 
@@ -327,6 +358,8 @@ BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   for (int j = 0; j < num_blocks_; ++j) {
     is_free_[static_cast<size_t>(j)] = blend[j] > 0 ? 1 : 0;
     start_[static_cast<size_t>(j)] = blend[j];
+    nearness_[static_cast<size_t>(j)] = problem.nearness[j];
+    is_exact_[static_cast<size_t>(j)] = 0;
   }
   for (int j = 0; j < num_blocks_; ++j) {
     if (blend[j] > 0 && !Use(problem, j, blend)) return report;

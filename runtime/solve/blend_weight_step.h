@@ -31,16 +31,26 @@ class QuadraticColumns {
   virtual void Column(int block, double* column) = 0;
 };
 
+// The linear term, exact where it is asked for; elsewhere BlendProblem::nearness holds lower
+// bounds.
+class NearnessTerm {
+ public:
+  virtual ~NearnessTerm() = default;
+  virtual double Exact(int block) = 0;
+};
+
 struct BlendProblem {
   QuadraticColumns* quadratic = nullptr;  // Q, positive semi-definite
   int num_rows = 0;                       // of A
   const double* rows = nullptr;           // A, [num_rows][G*S padded with zeros]
   const double* goal = nullptr;           // a, [num_rows]
-  const double* nearness = nullptr;       // lambda sqrt(D), G*S, all >= 0
-  bool square_root = true;                // false: f(B) + l_near . B, a quadratic program
-  double delta_squared = 0;               // > 0
-  double proximal = 0;                    // rho > 0
-  double matched = 0;                     // f at or below which the targets count as matched
+  // lambda sqrt(D), G*S, all >= 0; where there is a term, lower bounds of it.
+  const double* nearness = nullptr;
+  NearnessTerm* nearness_term = nullptr;
+  bool square_root = true;   // false: f(B) + l_near . B, a quadratic program
+  double delta_squared = 0;  // > 0
+  double proximal = 0;       // rho > 0
+  double matched = 0;        // f at or below which the targets count as matched
 };
 
 struct BlendReport {
@@ -69,7 +79,8 @@ class BlendWeightStep {
   bool Use(const BlendProblem& problem, int block, const double* blend);
   void Place(size_t slot);
   void DropUnused(const double* blend);
-  bool StartIsMatched(const BlendProblem& problem, const double* blend) const;
+  bool StartIsMatched(const BlendProblem& problem, const double* blend);
+  double Nearness(const BlendProblem& problem, int block);
   void CollectFree(const double* blend);
   void UpdateUsedGradient(const BlendProblem& problem, const double* blend);
   void UpdateFullGradient(const BlendProblem& problem, const double* blend);
@@ -79,6 +90,8 @@ class BlendWeightStep {
   bool ReleaseBound(const BlendProblem& problem, const double* blend, bool one_only,
                     BlendReport* report);
   double Objective(const BlendProblem& problem, const double* blend) const;
+  double WorstOfGroup(const BlendProblem& problem, const double* blend, int group, double outer,
+                      double tolerance, int* block);
 
   double* column(int slot) { return columns_.data() + static_cast<size_t>(slot) * padded_; }
 
@@ -98,6 +111,8 @@ class BlendWeightStep {
   std::vector<uint8_t> is_free_;    // [G*S]
   std::vector<int> free_;           // free weights that are not their group's reference
   std::vector<int> reference_;      // [G]: the free weight that the others of the group trade with
+  std::vector<double> nearness_;    // [G*S]: the linear term, exact where exact_ says so
+  std::vector<uint8_t> is_exact_;   // [G*S]
   AlignedVector<double> gradient_;  // [padded] of f at B, the proximal term included
   AlignedVector<double> residual_;  // A B - a, [row_stride]
   AlignedVector<double> start_;     // [G*S]: B at the call

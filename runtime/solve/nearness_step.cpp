@@ -2,25 +2,40 @@
 
 #include "solve/rotation_planes.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace limber {
+namespace {
+
+// What rounding may add to a root, of itself and of the norm of the group's edges.
+constexpr double kRootRounding = 1e-6;
+
+}  // namespace
 
 template <int K>
 NearnessStep<K>::NearnessStep(const PoseModel& model)
     : kernels_(ChooseSolveKernels<K>()),
-      shape_planes_(model.group_chunks() * K * K * kBlockLanes),
+      shape_planes_(model.group_chunks() * kBlockLanes * K * K),
+      stride_(model.single_stride()),
       rotations_(static_cast<size_t>(model.num_shapes) * shape_planes_),
-      modes_(model.single_stride() * K),
+      last_rotations_(shape_planes_),
+      modes_(static_cast<size_t>(model.num_shapes) * K * stride_),
+      last_modes_(K * stride_),
       gaps_(static_cast<size_t>(model.rig->num_handles()) * K),
-      answers_(gaps_),
       fits_(shape_planes_),
-      energies_(model.group_chunks() * kBlockLanes),
-      failed_(energies_.size()) {
+      stacked_(K * stride_),
+      lower_(static_cast<size_t>(model.num_blocks)),
+      is_exact_(lower_.size()),
+      failed_(model.group_chunks() * kBlockLanes) {
   Reset();
 }
 
 template <int K>
 void NearnessStep<K>::Reset() {
   SetIdentity<K>(&rotations_);
+  std::fill(modes_.begin(), modes_.end(), 0.0);
+  std::fill(lower_.begin(), lower_.end(), 0.0);
 }
 
 // z = b + C^T y with b = sum_g K_g^T R_g^T, y = W (X - C b), as in constraint_system.h.
@@ -28,15 +43,16 @@ template <int K>
 void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape,
                                   const double* targets) {
   const auto groups = static_cast<size_t>(model.num_groups);
-  const size_t stride = model.single_stride(), count = pins.size();
-  kernels_.single_modes(model.single_edges_by_mode.data() + shape * groups * K * stride,
-                        Rotations(shape), groups, stride / kBlockLanes, modes_.data());
-  const double* held = pins.single_modes.data() + shape * count * stride;
+  const size_t count = pins.size(), chunks = stride_ / kBlockLanes;
+  double* modes = Modes(shape);
+  std::copy_n(modes, K * stride_, last_modes_.data());
+  kernels_.single_modes(model.single_edges_by_mode.data() + shape * groups * K * stride_,
+                        Rotations(shape), groups, chunks, modes);
+  const double* held = pins.single_modes.data() + shape * count * stride_;
   for (size_t p = 0; p < count; ++p) {
     for (size_t c = 0; c < K; ++c) {
       gaps_[p * K + c] =
-          targets[p * K + c] -
-          kernels_.dot(held + p * stride, modes_.data() + c * stride, stride / kBlockLanes);
+          targets[p * K + c] - kernels_.dot(held + p * stride_, modes + c * stride_, chunks);
     }
   }
   const Eigen::MatrixXd& response = pins.single_response[shape];
@@ -46,8 +62,7 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
       double answer = 0;
       for (size_t other = 0; other < count; ++other)
         answer += row[other] * gaps_[other * K + c];
-      kernels_.add_scaled(answer, held + p * stride, stride / kBlockLanes,
-                          modes_.data() + c * stride);
+      kernels_.add_scaled(answer, held + p * stride_, chunks, modes + c * stride_);
     }
   }
 }
@@ -55,28 +70,67 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
 template <int K>
 void NearnessStep<K>::FitRotations(const PoseModel& model, size_t shape) {
   const auto modes = static_cast<size_t>(model.num_single_modes);
+  std::copy_n(Rotations(shape), shape_planes_, last_rotations_.data());
   kernels_.single_fits(
       model.single_edges_by_group.data() + shape * model.group_chunks() * modes * K * kBlockLanes,
-      modes_.data(), modes, model.group_chunks(), fits_.data());
+      Modes(shape), modes, stride_, model.group_chunks(), fits_.data());
   FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_groups), fits_, Rotations(shape),
                        &failed_);
 }
 
+// How far the roots of one shape can have fallen since the last call.
+template <int K>
+void NearnessStep<K>::LowerBounds(const PoseModel& model, size_t shape) {
+  const double* modes = Modes(shape);
+  double squared = 0;
+  for (size_t i = 0; i < K * stride_; ++i)
+    squared += (modes[i] - last_modes_[i]) * (modes[i] - last_modes_[i]);
+  const double moved = std::sqrt(squared) * (1 + kRootRounding);
+  const double* rotations = Rotations(shape);
+  for (size_t g = 0; g < static_cast<size_t>(model.num_groups); ++g) {
+    double turned = 0;
+    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
+      const size_t at = PlaneIndex<K>(g, entry / K, entry % K);
+      turned += (rotations[at] - last_rotations_[at]) * (rotations[at] - last_rotations_[at]);
+    }
+    const size_t block = g * static_cast<size_t>(model.num_shapes) + shape;
+    const double fall =
+        moved + model.single_edge_norms[block] * (std::sqrt(turned) + kRootRounding);
+    lower_[block] = std::max(0.0, lower_[block] - fall);
+  }
+}
+
 template <int K>
 void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const double* targets,
-                          bool hold_rotations, double* nearness) {
-  const auto shapes = static_cast<size_t>(model.num_shapes);
-  const size_t size = static_cast<size_t>(model.num_single_modes) + K;
-  const size_t factor_size = model.group_chunks() * size * (size + 1) / 2 * kBlockLanes;
-  for (size_t s = 0; s < shapes; ++s) {
+                          bool hold_rotations) {
+  for (size_t s = 0; s < static_cast<size_t>(model.num_shapes); ++s) {
     MeetTargets(model, pins, s, targets);
-    if (!hold_rotations) FitRotations(model, s);
-    kernels_.single_energies(model.single_factors.data() + s * factor_size, modes_.data(),
-                             Rotations(s), static_cast<size_t>(model.num_single_modes),
-                             model.group_chunks(), energies_.data());
-    for (size_t g = 0; g < static_cast<size_t>(model.num_groups); ++g)
-      nearness[g * shapes + s] = energies_[g];
+    if (hold_rotations) {
+      std::copy_n(Rotations(s), shape_planes_, last_rotations_.data());
+    } else {
+      FitRotations(model, s);
+    }
+    LowerBounds(model, s);
   }
+  std::fill(is_exact_.begin(), is_exact_.end(), uint8_t{0});
+}
+
+template <int K>
+double NearnessStep<K>::Root(const PoseModel& model, int block) {
+  const auto i = static_cast<size_t>(block);
+  if (is_exact_[i] != 0) return lower_[i];
+  const size_t shapes = static_cast<size_t>(model.num_shapes), s = i % shapes, g = i / shapes;
+  const auto modes = static_cast<size_t>(model.num_single_modes);
+  std::copy_n(Modes(s), K * stride_, stacked_.data());
+  for (size_t c = 0; c < K; ++c) {
+    for (size_t a = 0; a < K; ++a)
+      stacked_[c * stride_ + modes + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
+  }
+  is_exact_[i] = 1;
+  lower_[i] =
+      std::sqrt(kernels_.single_energy(model.single_factors.data() + i * model.single_factor_size,
+                                       stacked_.data(), modes + K, stride_));
+  return lower_[i];
 }
 
 template class NearnessStep<2>;

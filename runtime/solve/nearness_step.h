@@ -1,8 +1,12 @@
 // D of eq. 10: how far each example shape alone is from the targets, group by group. One
 // local/global iteration of a FAST model (Jacobson et al. 2012) per shape, warm-started.
+//
+// The iteration is cheap; the energies D of all groups and shapes are not, and few of them matter:
+// those of the weights in use, and of weights that might come into use. So D is evaluated where it
+// is asked for. For the others there is a lower bound: the whitened modes of a model have
+// |J_g dz| <= |dz|, so sqrt(D) falls by at most |dz| + |E_g| |dR| from one call to the next.
 #pragma once
 
-#include "core/aligned_vector.h"
 #include "solve/pose_model.h"
 
 #include <cstdint>
@@ -15,27 +19,38 @@ class NearnessStep {
  public:
   explicit NearnessStep(const PoseModel& model);
 
-  // All rotations the identity.
+  // All rotations the identity, nothing known of D.
   void Reset();
 
   // targets: X, [c][K], rig space. hold_rotations: stay at the identity (call Reset before).
-  // nearness: out, D_gs = E_g(q_s, R, p_s), [G*S], in squared rig units.
-  void Run(const PoseModel& model, const PinSet& pins, const double* targets, bool hold_rotations,
-           double* nearness);
+  void Run(const PoseModel& model, const PinSet& pins, const double* targets, bool hold_rotations);
+
+  // sqrt(D_gs), D_gs = E_g(q_s, R, p_s) in squared rig units, after Run.
+  double Root(const PoseModel& model, int block);
+
+  // No more than sqrt(D_gs).
+  double LowerBound(int block) const { return lower_[static_cast<size_t>(block)]; }
 
  private:
   void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets);
   void FitRotations(const PoseModel& model, size_t shape);
+  void LowerBounds(const PoseModel& model, size_t shape);
 
   double* Rotations(size_t shape) { return rotations_.data() + shape * shape_planes_; }
 
+  double* Modes(size_t shape) { return modes_.data() + shape * K * stride_; }
+
   const SolveKernels& kernels_;
-  size_t shape_planes_;                   // numbers that a shape's rotations take
+  size_t shape_planes_, stride_;          // numbers that a shape's rotations take, and a row of z
   AlignedVector<double> rotations_;       // planes over groups, shape after shape
-  AlignedVector<double> modes_;           // z, [K][r1 padded]
-  AlignedVector<double> gaps_, answers_;  // X - C b and y, [c][K]
+  AlignedVector<double> last_rotations_;  // one shape's before
+  AlignedVector<double> modes_;           // z, [S][K][stride]
+  AlignedVector<double> last_modes_;      // one shape's before
+  AlignedVector<double> gaps_;            // X - C b, [c][K]
   AlignedVector<double> fits_;            // planes over groups
-  AlignedVector<double> energies_;        // [G padded]
+  AlignedVector<double> stacked_;         // [z; -R^T], [K][stride]
+  std::vector<double> lower_;             // [G*S]
+  std::vector<uint8_t> is_exact_;         // [G*S]
   std::vector<uint8_t> failed_;           // [G padded]
 };
 

@@ -74,7 +74,8 @@ std::shared_ptr<const PinSet> PinSet::Create(const RigTables& tables, std::vecto
   LayOutLoads(tables, edges.cast<double>() * pins->system.modes.transpose(), pins.get());
   LayOutTransforms(tables, pins.get());
   const Eigen::Index r1 = tables.num_single_modes;
-  const auto stride = static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(r1)));
+  const auto stride =
+      static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(r1 + tables.dimension)));
   for (Eigen::Index s = 0; s < tables.num_shapes(); ++s) {
     const ConstraintSystem single = ConstraintSystem::Create(HeldRows(
         tables.single_handle_modes.data() + s * num_handles * (1 + r1), num_handles, r1, handles));

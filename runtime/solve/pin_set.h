@@ -33,7 +33,7 @@ struct PinSet {
   // The transforms of a translation and those that the pins' residuals ask for, phi_0 | Phi_1 C^T
   // L: 1 + q columns in bunches of k, [bunch][row chunk][k][8].
   AlignedVector<float> transforms;
-  // The models of one shape. Rows of C padded with zeros: [S][c][r1 padded].
+  // The models of one shape. Rows of C padded with zeros: [S][c][r1 + k padded].
   AlignedVector<double> single_modes;
   std::vector<Eigen::MatrixXd> single_response;  // W, S of c x c
 };

@@ -3,6 +3,7 @@
 #include "core/out_of_memory.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace limber {
 namespace {
@@ -118,21 +119,32 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
   }
 }
 
+// U of shape s and group g, packed by rows in the file, eight rows at a time; and |E_gs|, the norm
+// of its last k columns.
 void LayOutSingleFactors(const RigTables& tables, PoseModel* model) {
   const auto shapes = static_cast<size_t>(model->num_shapes);
   const auto groups = static_cast<size_t>(model->num_groups);
-  const size_t m = static_cast<size_t>(model->num_single_modes) + static_cast<size_t>(model->k);
-  const size_t packed = m * (m + 1) / 2;
-  const size_t shape_size = model->group_chunks() * packed * kBlockLanes;
-  model->single_factors.assign(shapes * shape_size, 0.0f);
-  const float* factor = tables.single_group_factors.data();
-  for (size_t s = 0; s < shapes; ++s) {
-    for (size_t g = 0; g < groups; ++g) {
-      for (size_t i = 0; i < packed; ++i) {
-        model->single_factors[s * shape_size + (g / kBlockLanes * packed + i) * kBlockLanes +
-                              g % kBlockLanes] = *factor++;
+  const auto size = static_cast<size_t>(model->num_single_modes + model->k);
+  for (size_t first = 0; first < size; first += kBlockLanes)
+    model->single_factor_size += (size - first) * kBlockLanes;
+  model->single_factors.assign(shapes * groups * model->single_factor_size, 0.0f);
+  model->single_edge_norms.assign(shapes * groups, 0.0);
+  const float* entry = tables.single_group_factors.data();
+  for (size_t i = 0; i < shapes * groups; ++i) {
+    const size_t block = i % groups * shapes + i / groups;
+    float* factor = model->single_factors.data() + block * model->single_factor_size;
+    double squares = 0;
+    for (size_t row = 0; row < size; ++row) {
+      const size_t first = row / kBlockLanes * kBlockLanes;
+      for (size_t column = row; column < size; ++column, ++entry) {
+        factor[(column - first) * kBlockLanes + row - first] = *entry;
+        if (column + static_cast<size_t>(model->k) >= size) {
+          squares += static_cast<double>(*entry) * static_cast<double>(*entry);
+        }
       }
+      if (row % kBlockLanes == kBlockLanes - 1) factor += (size - first) * kBlockLanes;
     }
+    model->single_edge_norms[block] = std::sqrt(squares);
   }
 }
 

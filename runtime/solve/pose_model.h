@@ -38,8 +38,8 @@ class PoseModel {
     return NumChunks(static_cast<size_t>(rig->tables().num_transform_rows()));
   }
 
-  // Numbers of a mode table's row, padded.
-  size_t single_stride() const { return PaddedSize(static_cast<size_t>(num_single_modes)); }
+  // Numbers of a row of [z; -R^T] and of its tables, padded.
+  size_t single_stride() const { return PaddedSize(static_cast<size_t>(num_single_modes + k)); }
 
   // F^T F: planes of block j's column, rows over all blocks; of a folded rig (without rotations)
   // one number a block.
@@ -70,7 +70,9 @@ class PoseModel {
   // The models of one shape (nearness): shape s from offset s * (size / S) on.
   AlignedVector<double> single_edges_by_mode;   // [S][G][k][r1 padded]
   AlignedVector<double> single_edges_by_group;  // [S][group chunk][r1][k][8]
-  AlignedVector<float> single_factors;          // [S][group chunk][packed rows][8]
+  AlignedVector<float> single_factors;          // [G*S] of U, as the kernels want it
+  size_t single_factor_size = 0;                // numbers of one
+  std::vector<double> single_edge_norms;        // [G*S]: |E_gs|
 
  private:
   PoseModel() = default;

@@ -64,13 +64,12 @@ struct SolveKernels {
   void (*single_modes)(const double* edges, const double* rotations, size_t groups,
                        size_t mode_chunks, double* modes);
   // fits_g(a, c) = sum_m edges(m, a, g) z(m, c); edges: [group chunk][modes][K][8];
-  // z: [K][PaddedSize(num_modes)].
-  void (*single_fits)(const double* edges, const double* modes, size_t num_modes, size_t chunks,
-                      double* fits);
-  // energy[g] = |U_g [z; -R_g^T]|^2, U upper triangular: [group chunk][packed rows][8];
-  // z as above, rotations: planes over groups.
-  void (*single_energies)(const float* factors, const double* modes, const double* rotations,
-                          size_t num_modes, size_t chunks, double* energies);
+  // z: [K][stride].
+  void (*single_fits)(const double* edges, const double* modes, size_t num_modes, size_t stride,
+                      size_t chunks, double* fits);
+  // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. factor: eight rows
+  // after eight rows, of each its columns from the first row's own on, [column][8].
+  double (*single_energy)(const float* factor, const double* x, size_t size, size_t stride);
 
   // out(:, c) += sum_b table(b, :) m(c, b); table: [chunk][K][8]; out: [chunk][K][8].
   void (*add_transforms)(const float* table, const double* m, size_t chunks, double* out);

@@ -183,9 +183,8 @@ static void SingleModes(const double* edges, const double* rotations, size_t gro
 }
 
 template <int K>
-static void SingleFits(const double* edges, const double* modes, size_t num_modes, size_t chunks,
-                       double* fits) {
-  const size_t stride = PaddedSize(num_modes);
+static void SingleFits(const double* edges, const double* modes, size_t num_modes, size_t stride,
+                       size_t chunks, double* fits) {
   for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
     const double* edge = edges + Offset(at, num_modes * K);
     double* out = fits + Offset(at, size_t{K} * K);
@@ -204,60 +203,43 @@ static void SingleFits(const double* edges, const double* modes, size_t num_mode
   }
 }
 
-// Adds entries of two rows of U times [z; -R^T] over the columns from `column` on: two rows' sums
-// hide each other's latency.
+// Rows first to first + 7 of U x, columns in pairs that hide each other's latency; sums of squares.
 template <int K>
-static inline __attribute__((always_inline)) void AddRowPair(  // NOLINT: parameters inlined away
-    const float* upper, const float* lower, const double* modes, const double* rotation,
-    size_t column, size_t num_modes, Lanes (&sums)[2][K]) {
-  const size_t stride = PaddedSize(num_modes);
-  for (; column < num_modes; ++column, upper += kLanes, lower += kLanes) {
-    const Lanes first = Load(upper), second = Load(lower);
-    for (size_t c = 0; c < K; ++c) {
-      const Lanes mode = Splat(modes[c * stride + column]);
-      sums[0][c] = MulAdd(first, mode, sums[0][c]);
-      sums[1][c] = MulAdd(second, mode, sums[1][c]);
+static inline __attribute__((always_inline)) void AddRowSquares(const float* factor,
+                                                                const double* x, size_t columns,
+                                                                size_t stride,
+                                                                Lanes (&squares)[kLanes / kWidth]) {
+  Lanes even[kLanes / kWidth][K] = {}, odd[kLanes / kWidth][K] = {};
+  for (size_t column = 0; column + 1 < columns; column += 2, factor += 2 * kLanes) {
+    for (size_t part = 0; part < kLanes / kWidth; ++part) {
+      const Lanes one = Load(factor + part * kWidth);
+      const Lanes two = Load(factor + kLanes + part * kWidth);
+      for (size_t c = 0; c < K; ++c) {
+        even[part][c] = MulAdd(one, Splat(x[c * stride + column]), even[part][c]);
+        odd[part][c] = MulAdd(two, Splat(x[c * stride + column + 1]), odd[part][c]);
+      }
     }
   }
-  for (size_t a = column - num_modes; a < K; ++a, upper += kLanes, lower += kLanes) {
-    const Lanes first = Load(upper), second = Load(lower);
+  for (size_t part = 0; part < kLanes / kWidth; ++part) {
     for (size_t c = 0; c < K; ++c) {
-      const Lanes turn = -Load(rotation + (c * K + a) * kLanes);
-      sums[0][c] = MulAdd(first, turn, sums[0][c]);
-      sums[1][c] = MulAdd(second, turn, sums[1][c]);
+      Lanes sum = even[part][c];
+      if (columns % 2 != 0) {
+        sum = MulAdd(Load(factor + part * kWidth), Splat(x[c * stride + columns - 1]), sum);
+      }
+      sum += odd[part][c];
+      squares[part] = MulAdd(sum, sum, squares[part]);
     }
   }
 }
 
 template <int K>
-static void SingleEnergies(const float* factors, const double* modes, const double* rotations,
-                           size_t num_modes, size_t chunks, double* energies) {
-  const size_t size = num_modes + K, stride = PaddedSize(num_modes);
-  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-    const float* upper = factors + Offset(at, size * (size + 1) / 2);
-    const double* rotation = rotations + Offset(at, size_t{K} * K);
-    Lanes energies_by_axis[K] = {};
-    for (size_t row = 0; row < size; row += 2) {
-      Lanes sums[2][K] = {};
-      const Lanes diagonal = Load(upper);
-      for (size_t c = 0; c < K; ++c) {
-        sums[0][c] =
-            diagonal * (row < num_modes ? Splat(modes[c * stride + row])
-                                        : -Load(rotation + (c * K + row - num_modes) * kLanes));
-      }
-      upper += kLanes;
-      const float* lower = upper + (size - row - 1) * kLanes;
-      if (row + 1 < size) AddRowPair<K>(upper, lower, modes, rotation, row + 1, num_modes, sums);
-      upper = lower + (size - row - 1) * kLanes;
-      for (size_t c = 0; c < K; ++c) {
-        energies_by_axis[c] = MulAdd(sums[0][c], sums[0][c], energies_by_axis[c]);
-        energies_by_axis[c] = MulAdd(sums[1][c], sums[1][c], energies_by_axis[c]);
-      }
-    }
-    for (size_t c = 1; c < K; ++c)
-      energies_by_axis[0] += energies_by_axis[c];
-    Store(energies_by_axis[0], energies + at);
+static double SingleEnergy(const float* factor, const double* x, size_t size, size_t stride) {
+  Lanes squares[kLanes / kWidth] = {};
+  for (size_t first = 0; first < size; first += kLanes) {
+    AddRowSquares<K>(factor, x + first, size - first, stride, squares);
+    factor += (size - first) * kLanes;
   }
+  return Sum(squares);
 }
 
 // Left-looking, column by column: the inner loop runs down a column. Rows above the diagonal that

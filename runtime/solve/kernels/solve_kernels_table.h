@@ -11,7 +11,7 @@ static constexpr SolveKernels MakeTable(const char* instruction_set) {
   return {instruction_set,  AddScaled,       Dot,
           AddRows,          RotateColumn<K>, AddProduct<K>,
           RotateLoads<K>,   AddLoads<K>,     FitRotations<K>,
-          SingleModes<K>,   SingleFits<K>,   SingleEnergies<K>,
+          SingleModes<K>,   SingleFits<K>,   SingleEnergy<K>,
           AddTransforms<K>, CholeskyFactor,  CholeskySolve};
 }
 

@@ -185,64 +185,76 @@ TYPED_TEST(SolveKernelsTest, PinLoads_AreTheirFormulas) {
 
 TYPED_TEST(SolveKernelsTest, ModelsOfOneShape_AreTheirFormulas) {
   constexpr int K = TypeParam::value;
-  for (const size_t modes : {size_t{7}, size_t{12}}) {  // an odd and an even number of rows of U
-    const size_t stride = PaddedSize(modes), size = modes + K, packed = size * (size + 1) / 2;
-    const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
-    AlignedVector<double> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
-    AlignedVector<float> factors(this->chunks_ * packed * 8);
-    for (float& factor : factors)
-      factor = static_cast<float>(this->numbers_.Some(1)[0]);
-    const auto edge = this->numbers_.Some(kBlocks * K * modes);
+  const size_t modes = 13, stride = PaddedSize(modes + K);
+  const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
+  AlignedVector<double> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
+  const auto edge = this->numbers_.Some(kBlocks * K * modes);
+  for (size_t g = 0; g < kBlocks; ++g) {
+    for (size_t a = 0; a < K; ++a) {
+      for (size_t m = 0; m < modes; ++m) {
+        by_mode[(g * K + a) * stride + m] = edge[(g * K + a) * modes + m];
+        by_group[((g / 8 * modes + m) * K + a) * 8 + g % 8] = edge[(g * K + a) * modes + m];
+      }
+    }
+  }
+  AlignedVector<double> z(K * stride), fits(this->chunks_ * 8 * K * K);
+  const auto run = [&](const SolveKernels& set) {
+    set.single_modes(by_mode.data(), rotations.data(), kBlocks, stride / 8, z.data());
+    set.single_fits(by_group.data(), z.data(), modes, stride, this->chunks_, fits.data());
+    AlignedVector<double> all = z;
+    all.insert(all.end(), fits.begin(), fits.end());
+    return all;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    run(set);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(Eigen::Index(modes), K);
+    const auto edges = [&](size_t g) {
+      return Eigen::Map<const Eigen::Matrix<double, K, Eigen::Dynamic, Eigen::RowMajor>>(
+          edge.data() + g * K * modes, K, Eigen::Index(modes));
+    };
     for (size_t g = 0; g < kBlocks; ++g) {
-      for (size_t a = 0; a < K; ++a) {
-        for (size_t m = 0; m < modes; ++m) {
-          by_mode[(g * K + a) * stride + m] = edge[(g * K + a) * modes + m];
-          by_group[((g / 8 * modes + m) * K + a) * 8 + g % 8] = edge[(g * K + a) * modes + m];
+      const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
+      expected += edges(g).transpose() * rotation.transpose();
+    }
+    for (Eigen::Index m = 0; m < expected.rows(); ++m) {
+      for (Eigen::Index c = 0; c < K; ++c)
+        EXPECT_NEAR(z[size_t(c) * stride + size_t(m)], expected(m, c), 1e-13);
+    }
+    for (size_t g = 0; g < kBlocks; ++g) {
+      EXPECT_LT((MatrixOfBlock<K>(fits.data(), g) - edges(g) * expected).norm(), 1e-12);
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+// |U x|^2 of triangles of all sizes around a chunk's.
+TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
+  constexpr int K = TypeParam::value;
+  for (size_t size = 1; size <= 26; ++size) {
+    const size_t stride = PaddedSize(size);
+    const auto x = this->numbers_.Some(K * stride);
+    Eigen::MatrixXf u = Eigen::MatrixXf::Zero(Eigen::Index(size), Eigen::Index(size));
+    AlignedVector<float> factor;
+    for (size_t first = 0; first < size; first += 8) {
+      for (size_t column = first; column < size; ++column) {
+        for (size_t row = first; row < first + 8; ++row) {
+          const bool is_there = row <= column && row < size;
+          factor.push_back(is_there ? static_cast<float>(this->numbers_.Some(1)[0]) : 0);
+          if (is_there) u(Eigen::Index(row), Eigen::Index(column)) = factor.back();
         }
       }
     }
-    AlignedVector<double> z(K * stride), fits(this->chunks_ * 8 * K * K), energies(fits.size());
+    Eigen::MatrixXd stacked(Eigen::Index(size), K);
+    for (Eigen::Index row = 0; row < stacked.rows(); ++row) {
+      for (Eigen::Index c = 0; c < K; ++c)
+        stacked(row, c) = x[size_t(c) * stride + size_t(row)];
+    }
+    const double expected = (u.cast<double>() * stacked).squaredNorm();
     const auto run = [&](const SolveKernels& set) {
-      set.single_modes(by_mode.data(), rotations.data(), kBlocks, stride / 8, z.data());
-      set.single_fits(by_group.data(), z.data(), modes, this->chunks_, fits.data());
-      set.single_energies(factors.data(), z.data(), rotations.data(), modes, this->chunks_,
-                          energies.data());
-      AlignedVector<double> all = z;
-      all.insert(all.end(), fits.begin(), fits.end());
-      all.insert(all.end(), energies.begin(), energies.end());
-      return all;
+      return AlignedVector<double>{set.single_energy(factor.data(), x.data(), size, stride)};
     };
-    this->ForEachSet([&](const SolveKernels& set) {
-      run(set);
-      Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(Eigen::Index(modes), K);
-      const auto edges = [&](size_t g) {
-        return Eigen::Map<const Eigen::Matrix<double, K, Eigen::Dynamic, Eigen::RowMajor>>(
-            edge.data() + g * K * modes, K, Eigen::Index(modes));
-      };
-      for (size_t g = 0; g < kBlocks; ++g) {
-        const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
-        expected += edges(g).transpose() * rotation.transpose();
-      }
-      for (Eigen::Index m = 0; m < expected.rows(); ++m) {
-        for (Eigen::Index c = 0; c < K; ++c)
-          EXPECT_NEAR(z[size_t(c) * stride + size_t(m)], expected(m, c), 1e-13);
-      }
-      for (size_t g = 0; g < kBlocks; ++g) {
-        EXPECT_LT((MatrixOfBlock<K>(fits.data(), g) - edges(g) * expected).norm(), 1e-12);
-        Eigen::MatrixXd stacked(Eigen::Index(size), K);
-        const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
-        stacked << expected, -rotation.transpose();
-        double energy = 0;
-        size_t at = g / 8 * packed * 8 + g % 8;
-        for (Eigen::Index row = 0; row < stacked.rows(); ++row) {
-          Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(K);
-          for (Eigen::Index column = row; column < stacked.rows(); ++column, at += 8)
-            sum += double{factors[at]} * stacked.row(column);
-          energy += sum.squaredNorm();
-        }
-        EXPECT_NEAR(energies[g], energy, 1e-12 * energy);
-      }
-    });
+    this->ForEachSet(
+        [&](const SolveKernels& set) { EXPECT_NEAR(run(set)[0], expected, 1e-13 * expected); });
     this->ExpectSameBits(run);
   }
 }
