@@ -172,7 +172,7 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
   double change = 0;
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend_[i] == 0) continue;
-    for (size_t entry = 0; entry < K * K; ++entry) {
+    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
       const size_t at = PlaneIndex<K>(i, entry / K, entry % K);
       change = std::max(change, std::abs(rotations_[at] - last_rotations_[at]));
     }

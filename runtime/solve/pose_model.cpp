@@ -119,32 +119,35 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
   }
 }
 
-// U of shape s and group g, packed by rows in the file, eight rows at a time; and |E_gs|, the norm
-// of its last k columns.
+// One U, packed by rows in the file, eight rows at a time as the kernels want it. Returns the norm
+// of its last k columns, |E_gs|.
+double LayOutSingleFactor(const float* entry, size_t size, size_t k, float* factor) {
+  double squares = 0;
+  for (size_t row = 0; row < size; ++row) {
+    const size_t first = row / kBlockLanes * kBlockLanes;
+    for (size_t column = row; column < size; ++column, ++entry) {
+      factor[(column - first) * kBlockLanes + row - first] = *entry;
+      if (column + k >= size) squares += static_cast<double>(*entry) * static_cast<double>(*entry);
+    }
+    if (row % kBlockLanes == kBlockLanes - 1) factor += (size - first) * kBlockLanes;
+  }
+  return std::sqrt(squares);
+}
+
 void LayOutSingleFactors(const RigTables& tables, PoseModel* model) {
   const auto shapes = static_cast<size_t>(model->num_shapes);
   const auto groups = static_cast<size_t>(model->num_groups);
-  const auto size = static_cast<size_t>(model->num_single_modes + model->k);
+  const size_t size = model->single_size();
   for (size_t first = 0; first < size; first += kBlockLanes)
     model->single_factor_size += (size - first) * kBlockLanes;
   model->single_factors.assign(shapes * groups * model->single_factor_size, 0.0f);
   model->single_edge_norms.assign(shapes * groups, 0.0);
-  const float* entry = tables.single_group_factors.data();
   for (size_t i = 0; i < shapes * groups; ++i) {
     const size_t block = i % groups * shapes + i / groups;
-    float* factor = model->single_factors.data() + block * model->single_factor_size;
-    double squares = 0;
-    for (size_t row = 0; row < size; ++row) {
-      const size_t first = row / kBlockLanes * kBlockLanes;
-      for (size_t column = row; column < size; ++column, ++entry) {
-        factor[(column - first) * kBlockLanes + row - first] = *entry;
-        if (column + static_cast<size_t>(model->k) >= size) {
-          squares += static_cast<double>(*entry) * static_cast<double>(*entry);
-        }
-      }
-      if (row % kBlockLanes == kBlockLanes - 1) factor += (size - first) * kBlockLanes;
-    }
-    model->single_edge_norms[block] = std::sqrt(squares);
+    model->single_edge_norms[block] =
+        LayOutSingleFactor(tables.single_group_factors.data() + i * (size * (size + 1) / 2), size,
+                           static_cast<size_t>(model->k),
+                           model->single_factors.data() + block * model->single_factor_size);
   }
 }
 

@@ -38,8 +38,12 @@ class PoseModel {
     return NumChunks(static_cast<size_t>(rig->tables().num_transform_rows()));
   }
 
-  // Numbers of a row of [z; -R^T] and of its tables, padded.
-  size_t single_stride() const { return PaddedSize(static_cast<size_t>(num_single_modes + k)); }
+  // Rows of [z; -R^T], and the same padded.
+  size_t single_size() const {
+    return static_cast<size_t>(num_single_modes) + static_cast<size_t>(k);
+  }
+
+  size_t single_stride() const { return PaddedSize(single_size()); }
 
   // F^T F: planes of block j's column, rows over all blocks; of a folded rig (without rotations)
   // one number a block.
