@@ -147,8 +147,8 @@ void Alternation<K>::UpdateProduct(const PoseModel& model) {
   }
 }
 
-// K^ and its best rotation (eq. 22, 23), of every shape and group; returns the largest change of
-// an entry where the shape is in use.
+// K^ and its best rotation (eq. 22, 23), of every shape and group; returns the largest change
+// where the shape is in use.
 template <int K>
 double Alternation<K>::FitRotations(const PoseModel& model) {
   are_identity_ = false;
@@ -169,13 +169,10 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
                      fits_.data());
   FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_blocks), fits_, rotations_.data(),
                        &failed_);
+  RotationChanges<K>(rotations_.data(), last_rotations_.data(), model.chunks(), column_.data());
   double change = 0;
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
-    if (blend_[i] == 0) continue;
-    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
-      const size_t at = PlaneIndex<K>(i, entry / K, entry % K);
-      change = std::max(change, std::abs(rotations_[at] - last_rotations_[at]));
-    }
+    if (blend_[i] != 0) change = std::max(change, column_[i]);
   }
   return change;
 }

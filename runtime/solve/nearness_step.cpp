@@ -25,6 +25,7 @@ NearnessStep<K>::NearnessStep(const PoseModel& model)
       gaps_(static_cast<size_t>(model.rig->num_handles()) * K),
       fits_(shape_planes_),
       stacked_(K * stride_),
+      turned_(model.group_chunks() * kBlockLanes),
       lower_(static_cast<size_t>(model.num_blocks)),
       is_exact_(lower_.size()),
       failed_(model.group_chunks() * kBlockLanes) {
@@ -82,20 +83,15 @@ void NearnessStep<K>::FitRotations(const PoseModel& model, size_t shape) {
 template <int K>
 void NearnessStep<K>::LowerBounds(const PoseModel& model, size_t shape) {
   const double* modes = Modes(shape);
-  double squared = 0;
-  for (size_t i = 0; i < K * stride_; ++i)
-    squared += (modes[i] - last_modes_[i]) * (modes[i] - last_modes_[i]);
+  kernels_.add_scaled(-1, modes, K * stride_ / kBlockLanes, last_modes_.data());
+  const double squared =
+      kernels_.dot(last_modes_.data(), last_modes_.data(), K * stride_ / kBlockLanes);
   const double moved = std::sqrt(squared) * (1 + kRootRounding);
-  const double* rotations = Rotations(shape);
+  RotationChanges<K>(Rotations(shape), last_rotations_.data(), model.group_chunks(),
+                     turned_.data());
   for (size_t g = 0; g < static_cast<size_t>(model.num_groups); ++g) {
-    double turned = 0;
-    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
-      const size_t at = PlaneIndex<K>(g, entry / K, entry % K);
-      turned += (rotations[at] - last_rotations_[at]) * (rotations[at] - last_rotations_[at]);
-    }
     const size_t block = g * static_cast<size_t>(model.num_shapes) + shape;
-    const double fall =
-        moved + model.single_edge_norms[block] * (std::sqrt(turned) + kRootRounding);
+    const double fall = moved + model.single_edge_norms[block] * (turned_[g] + kRootRounding);
     lower_[block] = std::max(0.0, lower_[block] - fall);
   }
 }

@@ -49,6 +49,7 @@ class NearnessStep {
   AlignedVector<double> gaps_;            // X - C b, [c][K]
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> stacked_;         // [z; -R^T], [K][stride]
+  AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
   std::vector<double> lower_;             // [G*S]
   std::vector<uint8_t> is_exact_;         // [G*S]
   std::vector<uint8_t> failed_;           // [G padded]

@@ -36,7 +36,7 @@ struct PoseReport {
                           // its square's units
   double elastic = 0;     // the square root of E_d (eq. 9)
   int iterations = 0;     // alternations done
-  double change = 0;      // largest change of a blend weight or of an entry of a rotation in use
+  double change = 0;      // largest change of a blend weight or of a rotation in use
   bool settled = false;   // a tolerance was given and change <= settle_tolerance
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
   bool optimal = true;    // the convex step reached its optimum (optimality is zero)
