@@ -51,8 +51,15 @@ static void AddRows(const double* rows, size_t stride, const double* scales, siz
   size_t at = 0;
   for (; at + 8 * kWidth <= end; at += 8 * kWidth)
     AddRowsAt<8>(rows + at, stride, scales, count, y + at);
-  for (; at < end; at += kWidth)
-    AddRowsAt<1>(rows + at, stride, scales, count, y + at);
+  if (at + 4 * kWidth <= end) {
+    AddRowsAt<4>(rows + at, stride, scales, count, y + at);
+    at += 4 * kWidth;
+  }
+  if (at + 2 * kWidth <= end) {
+    AddRowsAt<2>(rows + at, stride, scales, count, y + at);
+    at += 2 * kWidth;
+  }
+  if (at < end) AddRowsAt<1>(rows + at, stride, scales, count, y + at);
 }
 
 // A K x K matrix (row-major) with each entry in all lanes.
