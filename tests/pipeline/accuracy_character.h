@@ -30,6 +30,8 @@ class AccuracyCharacter {
 
   PoseState& state() { return *state_; }
 
+  const PoseOptions& options() const { return options_; }  // of every frame of a drag
+
   Points Shape(int shape) const;
   int FindShape(const std::string& name) const;  // fails the test when there is none
   Points Deformed() const;
