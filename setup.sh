@@ -30,7 +30,7 @@ declare -A packages=(
     libgtest-dev libbenchmark-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
   [tests]="git vulkan-validationlayers spirv-tools xvfb xauth xdotool clang-format clang-tidy
-    shellcheck"
+    shellcheck coinor-libipopt-dev"
 )
 
 say() { printf 'setup: %s\n' "$*"; }
@@ -99,7 +99,8 @@ setup_by_hand() {
   say "  libraries: Eigen 3.4, tinygltf, nlohmann-json, CLI11, stb, libpng, GLM, Embree 3, GLFW 3,"
   say "    the Vulkan headers and volk"
   say "  to run: a Vulkan 1.1 device (Mesa lavapipe will do); ImageMagick for contact sheets"
-  say "  to test: GoogleTest, Google Benchmark, Vulkan validation layers, spirv-val, Xvfb, xdotool, npm"
+  say "  to test: GoogleTest, Google Benchmark, Vulkan validation layers, spirv-val, Xvfb, xdotool, npm;"
+  say "    Ipopt if you have it (a few comparisons are skipped without)"
   [[ ${#absent[@]} -eq 0 ]] || fail "these commands are missing: ${absent[*]}"
 }
 

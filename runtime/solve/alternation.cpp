@@ -277,6 +277,16 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
 }
 
 template <int K>
+BlendReport Alternation<K>::RepeatConvexStep(const PoseModel& model) {
+  if (model.num_shapes == 1) return {};
+  blend_ = last_blend_;
+  blend_step_.ForgetColumns();
+  uniform_step_.ForgetColumns();
+  RotateLoads(model);
+  return SolveConvexStep(model);
+}
+
+template <int K>
 double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) {
   *nearness = 0;
   double energy =

@@ -79,6 +79,9 @@ class Alternation {
   void ResetToRest(const PoseModel& model);
   // R for the present targets and the last B, then D and B (eq. 22, 10, 20).
   Outcome Run(const PoseModel& model, const Settings& settings);
+  // The convex step of the last Run once more from where it began, its columns of Q and rows of A
+  // built anew: the same B, to rounding. For measuring that step by itself.
+  BlendReport RepeatConvexStep(const PoseModel& model);
   // At the present unknowns E_d, and lambda sum B sqrt(D) (or D) in *nearness, of the last
   // settings.
   double ElasticEnergy(const PoseModel& model, double* nearness);
