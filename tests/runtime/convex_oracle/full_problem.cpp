@@ -22,14 +22,19 @@ MatrixXd FromTable(const std::vector<float>& table, Index rows, Index columns) {
 }  // namespace
 
 template <int K>
-FullProblem<K>::FullProblem(const PoseModel& model) : model_(model) {
+FullProblem<K>::FullProblem(const PoseModel& model, TransformUnknowns unknowns)
+    : model_(model),
+      unknowns_(unknowns) {
   const RigTables& tables = model.rig->tables();
   const MatrixXd modes =
       FromTable(tables.mode_transforms, tables.num_transform_rows(), 1 + tables.num_modes);
   inverse_ = modes.completeOrthogonalDecomposition().pseudoInverse();
+  modes_ = inverse_;
+  if (unknowns == TransformUnknowns::kModes)
+    modes_ = MatrixXd::Identity(inverse_.rows(), inverse_.rows());
   const MatrixXd at_handles =
       FromTable(tables.handle_modes, tables.num_handles(), 1 + tables.num_modes);
-  handles_ = at_handles(model.pins->handles, Eigen::all) * inverse_;
+  handles_ = at_handles(model.pins->handles, Eigen::all) * modes_;
   edges_ = FromTable(tables.mode_edges, Index{model.num_blocks} * K, tables.num_modes);
   residual_ = FromTable(tables.residual_factor, tables.residual_rank,
                         Index{model.num_blocks} * (model.is_folded ? 1 : K));
@@ -38,7 +43,7 @@ FullProblem<K>::FullProblem(const PoseModel& model) : model_(model) {
 template <int K>
 ConvexProblem FullProblem<K>::Make(Alternation<K>* alternation,
                                    const typename Alternation<K>::Settings& settings) const {
-  const Index n = inverse_.cols(), modes = inverse_.rows() - 1, rank = residual_.rows();
+  const Index n = modes_.cols(), modes = modes_.rows() - 1, rank = residual_.rows();
   const Index pins = handles_.rows(), size = K * n + model_.num_blocks;
   ConvexProblem problem;
   problem.square_root = settings.square_roots;
@@ -49,7 +54,7 @@ ConvexProblem FullProblem<K>::Make(Alternation<K>* alternation,
   problem.equality = MatrixXd::Zero(K * pins, size);
   problem.right.resize(K * pins);
   for (Index c = 0; c < K; ++c) {
-    problem.factor.block(c * modes, c * n, modes, n) = inverse_.bottomRows(modes);
+    problem.factor.block(c * modes, c * n, modes, n) = modes_.bottomRows(modes);
     problem.equality.block(c * pins, c * n, pins, n) = handles_;
     for (Index pin = 0; pin < pins; ++pin)
       problem.right[c * pins + pin] = alternation->targets[static_cast<size_t>(pin * K + c)];
@@ -77,14 +82,17 @@ ConvexProblem FullProblem<K>::Make(Alternation<K>* alternation,
 
 template <int K>
 Eigen::VectorXd FullProblem<K>::Unknowns(Alternation<K>* alternation) const {
-  const Index n = inverse_.cols();
-  Eigen::VectorXd x(K * n + model_.num_blocks);
+  const Index n = inverse_.cols(), size = modes_.cols();
+  MatrixXd transforms(n, K);
   const AlignedVector<double>& planes = alternation->Transforms(model_);
   for (Index row = 0; row < n; ++row) {
     for (Index c = 0; c < K; ++c)
-      x[c * n + row] = planes[static_cast<size_t>((row / 8 * K + c) * 8 + row % 8)];
+      transforms(row, c) = planes[static_cast<size_t>((row / 8 * K + c) * 8 + row % 8)];
   }
-  std::copy_n(alternation->blend().begin(), model_.num_blocks, x.data() + K * n);
+  if (unknowns_ == TransformUnknowns::kModes) transforms = inverse_ * transforms;
+  Eigen::VectorXd x(K * size + model_.num_blocks);
+  x.head(K * size) = transforms.reshaped();
+  std::copy_n(alternation->blend().begin(), model_.num_blocks, x.data() + K * size);
   return x;
 }
 

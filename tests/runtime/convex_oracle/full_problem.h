@@ -14,15 +14,19 @@
 
 namespace limber::oracle {
 
+// What stands for the transforms. L~ is singular, so general optimisers have to regularise in T^;
+// in the whitened modes it is the identity, which is kinder to them than the paper was.
+enum class TransformUnknowns { kTransforms, kModes };
+
 // Makes the convex steps of one rig.
 template <int K>
 class FullProblem {
  public:
   // model: outlives this.
-  explicit FullProblem(const PoseModel& model);
+  FullProblem(const PoseModel& model, TransformUnknowns unknowns);
 
   // After alternation.Run: the step that it solved (blend weights varying over groups), with its R
-  // and D. Unknowns: T^ in columns, then B.
+  // and D. Unknowns: T^ (or [t; z]) in columns, then B.
   ConvexProblem Make(Alternation<K>* alternation,
                      const typename Alternation<K>::Settings& settings) const;
 
@@ -31,8 +35,10 @@ class FullProblem {
 
  private:
   const PoseModel& model_;
+  TransformUnknowns unknowns_;
   Eigen::MatrixXd inverse_;   // Psi, (1 + r) x n
-  Eigen::MatrixXd handles_;   // rows of M at the pinned handles, c x n
+  Eigen::MatrixXd modes_;     // [t; z] of the unknowns: Psi, or the identity
+  Eigen::MatrixXd handles_;   // rows of M at the pinned handles, for the unknowns
   Eigen::MatrixXd edges_;     // K_z, G*S*k x r
   Eigen::MatrixXd residual_;  // F, rank x G*S*k or rank x G*S
 };
