@@ -29,6 +29,7 @@ struct Iterate {
 };
 
 // One problem with the unknowns (x, r) or x alone.
+// NOLINTBEGIN(readability-function-size): Ipopt's signatures
 class Program final : public Ipopt::TNLP {
  public:
   Program(const ConvexProblem& problem, IpoptSolver::Form form, Iterate* iterate)
@@ -186,6 +187,8 @@ class Program final : public Ipopt::TNLP {
   VectorXd slope_;  // of f
   int iterations_ = 0;
 };
+
+// NOLINTEND(readability-function-size)
 
 void SetOptions(bool warm, Ipopt::IpoptApplication* application) {
   Ipopt::OptionsList& options = *application->Options();
