@@ -55,6 +55,7 @@ template <int K>
 Alternation<K>::Alternation(const PoseModel& model)
     : targets(static_cast<size_t>(model.rig->num_handles()) * K),
       kernels_(ChooseSolveKernels<K>()),
+      nearness_floor_(kNearnessFloor * std::sqrt(model.energy_scale)),
       rotations_(model.chunks() * kBlockLanes * K * K),
       last_rotations_(rotations_),
       blend_(model.chunks() * kBlockLanes),
@@ -183,7 +184,7 @@ class Alternation<K>::Term final : public NearnessTerm {
   Term(const PoseModel& model, Alternation* owner) : model_(model), owner_(owner) {}
 
   double Exact(int block) override {
-    return owner_->NearnessOf(model_, owner_->nearness_step_.Root(model_, block));
+    return owner_->NearnessOf(owner_->nearness_step_.Root(model_, block));
   }
 
  private:
@@ -193,8 +194,8 @@ class Alternation<K>::Term final : public NearnessTerm {
 
 // What a root of D contributes to the objective.
 template <int K>
-double Alternation<K>::NearnessOf(const PoseModel& model, double root) const {
-  const double floored = std::max(root, kNearnessFloor * std::sqrt(model.energy_scale));
+double Alternation<K>::NearnessOf(double root) const {
+  const double floored = std::max(root, nearness_floor_);
   return settings_.lambda * (settings_.square_roots ? floored : floored * floored);
 }
 
@@ -207,7 +208,7 @@ double Alternation<K>::Distance(const PoseModel& model, int block) {
 template <int K>
 BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model) {
   for (int block = 0; block < model.num_blocks; ++block) {
-    nearness_[static_cast<size_t>(block)] = NearnessOf(model, nearness_step_.LowerBound(block));
+    nearness_[static_cast<size_t>(block)] = NearnessOf(nearness_step_.LowerBound(block));
   }
   Term term(model, this);
   RotatedColumns<K> columns(model, rotations_);
@@ -295,7 +296,7 @@ double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) {
     if (blend_[i] == 0) continue;
     if (model.num_shapes > 1) {
       const double root = nearness_step_.Root(model, static_cast<int>(i));
-      *nearness += blend_[i] * NearnessOf(model, root);
+      *nearness += blend_[i] * NearnessOf(root);
     }
     double half = 0;
     if (model.is_folded) {

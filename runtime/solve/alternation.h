@@ -66,7 +66,7 @@ class Alternation {
   };
 
   struct Outcome {
-    double change = 0;   // largest change of a blend weight or of a rotation's entry in use
+    double change = 0;   // largest change of a blend weight or of a rotation in use
     BlendReport convex;  // of the convex step
   };
 
@@ -105,9 +105,10 @@ class Alternation {
   void UpdateProduct(const PoseModel& model);
   BlendReport SolveConvexStep(const PoseModel& model);
   BlendReport SolveUniformStep(const PoseModel& model, const BlendProblem& varying);
-  double NearnessOf(const PoseModel& model, double root) const;
+  double NearnessOf(double root) const;
 
   const SolveKernels& kernels_;
+  double nearness_floor_;                             // of sqrt(D)
   Settings settings_;                                 // of the last Run
   AlignedVector<double> rotations_, last_rotations_;  // R, planes
   bool are_identity_ = false;                         // all R = I

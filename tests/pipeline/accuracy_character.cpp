@@ -6,6 +6,7 @@
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "import/import_gltf.h"
+#include "import/pack_obj.h"
 #include "load/rig_loader.h"
 #include "skin/skin_positions.h"
 
@@ -42,6 +43,16 @@ Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& sour
 }
 
 }  // namespace
+
+std::filesystem::path PackHorse(const TemporaryFolder& folder, const std::string& name) {
+  const std::filesystem::path data = SharedDataFolder() / "horse";
+  const std::vector<std::filesystem::path> poses = {data / "horse-01.obj", data / "horse-02.obj",
+                                                    data / "horse-03.obj", data / "horse-05.obj"};
+  std::filesystem::path packed = folder.path() / (name + ".glb");
+  const Status status = bake::PackObj(data / "horse_ref.obj", poses, {}, packed);
+  EXPECT_TRUE(status.ok()) << status.message();
+  return packed;
+}
 
 std::optional<AccuracyCharacter> AccuracyCharacter::Make(const std::filesystem::path& source,
                                                          int num_handles, bool rotations) {

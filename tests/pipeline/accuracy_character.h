@@ -19,6 +19,10 @@ namespace limber::test {
 
 using Points = std::vector<Eigen::Vector3d>;  // [V] solve vertices, mesh space
 
+// The horse's reference and its four poses, packed as NAME.glb in the folder. Fails the test on
+// error.
+std::filesystem::path PackHorse(const TemporaryFolder& folder, const std::string& name);
+
 class AccuracyCharacter {
  public:
   // Imports a glTF, chooses `num_handles` handles, bakes, writes, loads. Fails the test on error.

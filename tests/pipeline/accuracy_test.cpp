@@ -1,6 +1,5 @@
 // How exactly examples come back on the real characters of the shared data, and drags of them
 // without a crack, a spike or a number that is not one. Each case is one bake.
-#include "import/pack_obj.h"
 #include "pipeline/accuracy_character.h"
 
 #include <algorithm>
@@ -41,14 +40,8 @@ void ExpectShapesComeBack(AccuracyCharacter* character, double most_percent) {
 
 TEST(Accuracy, Horse_EachPoseComesBackFromItsHandles) {
   LIMBER_REQUIRE_DATA();
-  const std::filesystem::path data = DataFolder() / "horse";
   const test::TemporaryFolder folder;
-  const std::vector<std::filesystem::path> poses = {data / "horse-01.obj", data / "horse-02.obj",
-                                                    data / "horse-03.obj", data / "horse-05.obj"};
-  const std::filesystem::path packed = folder.path() / "horse.glb";
-  const Status status = bake::PackObj(data / "horse_ref.obj", poses, {}, packed);
-  ASSERT_TRUE(status.ok()) << status.message();
-  auto horse = AccuracyCharacter::Make(packed, 10, true);
+  auto horse = AccuracyCharacter::Make(test::PackHorse(folder, "horse"), 10, true);
   ASSERT_TRUE(horse.has_value());
   EXPECT_EQ(horse->rig().num_shapes(), 5);
   ExpectShapesComeBack(&*horse, 0.2);

@@ -1,5 +1,4 @@
 // Even motion of the targets gives even motion of a real character, and rest gives rest.
-#include "import/pack_obj.h"
 #include "pipeline/accuracy_character.h"
 
 #include <algorithm>
@@ -73,14 +72,8 @@ void ExpectSmoothDrag(AccuracyCharacter* character, int shape) {
 
 TEST(Smoothness, Horse_MovesEvenlyThroughItsPosesAndRests) {
   LIMBER_REQUIRE_DATA();
-  const std::filesystem::path data = test::SharedDataFolder() / "horse";
   const test::TemporaryFolder folder;
-  const std::vector<std::filesystem::path> poses = {data / "horse-01.obj", data / "horse-02.obj",
-                                                    data / "horse-03.obj", data / "horse-05.obj"};
-  const std::filesystem::path packed = folder.path() / "horse_smooth.glb";
-  const Status status = bake::PackObj(data / "horse_ref.obj", poses, {}, packed);
-  ASSERT_TRUE(status.ok()) << status.message();
-  auto horse = AccuracyCharacter::Make(packed, 10, true);
+  auto horse = AccuracyCharacter::Make(test::PackHorse(folder, "horse_smooth"), 10, true);
   ASSERT_TRUE(horse.has_value());
   for (int shape : {1, 2, 3, 4, 0})
     ExpectSmoothDrag(&*horse, shape);

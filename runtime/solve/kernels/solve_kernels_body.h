@@ -73,6 +73,10 @@ struct SplatMatrix {
         at[row][column] = Splat(m[row * K + column]);
     }
   }
+
+  __attribute__((always_inline)) const Lanes& operator()(size_t row, size_t column) const {
+    return at[row][column];
+  }
 };
 
 template <int K>
@@ -88,7 +92,7 @@ static void RotateColumn(const double* strip, const double* rotations, const dou
       for (size_t b = 0; b < K; ++b) {
         const Lanes entry = Load(matrix + (b * K + a) * kLanes);
         for (size_t c = 0; c < K; ++c)
-          turned[c] = MulAdd(entry, m.at[c][b], turned[c]);
+          turned[c] = MulAdd(entry, m(c, b), turned[c]);
       }
       for (size_t c = 0; c < K; ++c)
         sums[c] = MulAdd(Load(rotation + (c * K + a) * kLanes), turned[c], sums[c]);
@@ -99,17 +103,18 @@ static void RotateColumn(const double* strip, const double* rotations, const dou
   }
 }
 
-// out(:, c) += sum_b table(b, :) m(c, b), planes of K entries a lane.
-template <int K, typename Number>
-static inline __attribute__((always_inline)) void AddRow(const Number* table, size_t table_step,
-                                                         const SplatMatrix<K>& m, double* out) {
+// out(:, c) += sum_b table(b, :) weight(c, b) over `count` entries b, `step` numbers apart.
+template <int K, typename Number, typename Weight>
+static inline __attribute__((always_inline)) void AddRow(const Number* table, size_t step,
+                                                         size_t count, const Weight& weight,
+                                                         double* out) {
   Lanes sum[K];
   for (size_t c = 0; c < K; ++c)
     sum[c] = Load(out + c * kLanes);
-  for (size_t b = 0; b < K; ++b) {
-    const Lanes entry = Load(table + b * table_step);
+  for (size_t b = 0; b < count; ++b) {
+    const Lanes entry = Load(table + b * step);
     for (size_t c = 0; c < K; ++c)
-      sum[c] = MulAdd(entry, m.at[c][b], sum[c]);
+      sum[c] = MulAdd(entry, weight(c, b), sum[c]);
   }
   for (size_t c = 0; c < K; ++c)
     Store(sum[c], out + c * kLanes);
@@ -122,7 +127,7 @@ static void AddProduct(const double* strip, const double* m, size_t chunks, doub
     const double* from = strip + Offset(at, size_t{K} * K);
     double* to = product + Offset(at, size_t{K} * K);
     for (size_t a = 0; a < K; ++a)
-      AddRow<K>(from + a * kLanes, K * kLanes, matrix, to + a * K * kLanes);
+      AddRow<K>(from + a * kLanes, K * kLanes, K, matrix, to + a * K * kLanes);
   }
 }
 
@@ -130,7 +135,7 @@ template <int K>
 static void AddTransforms(const float* table, const double* m, size_t chunks, double* out) {
   const SplatMatrix<K> matrix(m);
   for (size_t at = 0; at < chunks * kLanes; at += kWidth)
-    AddRow<K>(table + Offset(at, K), kLanes, matrix, out + Offset(at, K));
+    AddRow<K>(table + Offset(at, K), kLanes, K, matrix, out + Offset(at, K));
 }
 
 template <int K>
@@ -157,18 +162,9 @@ static void AddLoads(const double* loads, const double* values, size_t pins, siz
   for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
     const double* load = loads + Offset(at, K * pins);
     double* out = product + Offset(at, size_t{K} * K);
-    for (size_t a = 0; a < K; ++a, load += pins * kLanes, out += K * kLanes) {
-      Lanes sum[K];
-      for (size_t c = 0; c < K; ++c)
-        sum[c] = Load(out + c * kLanes);
-      for (size_t p = 0; p < pins; ++p) {
-        const Lanes entry = Load(load + p * kLanes);
-        for (size_t c = 0; c < K; ++c)
-          sum[c] = MulAdd(entry, Splat(values[p * K + c]), sum[c]);
-      }
-      for (size_t c = 0; c < K; ++c)
-        Store(sum[c], out + c * kLanes);
-    }
+    const auto value = [values](size_t c, size_t p) { return Splat(values[p * K + c]); };
+    for (size_t a = 0; a < K; ++a, load += pins * kLanes, out += K * kLanes)
+      AddRow<K>(load, kLanes, pins, value, out);
   }
 }
 

@@ -242,7 +242,7 @@ TEST_P(LongDragTest, BackAtRestWithoutAReset_TheEnergyIsAFreshCharacters) {
   }
   PoseOptions settle = GetParam().options;
   settle.rotations = settle.rotations && GetParam().bake_rotations;
-  settle.iterations = 20000;  // the cylinder's way back took some 5,000
+  settle.iterations = 20000;  // the cylinder's way back takes over 3,000
   settle.settle_tolerance = 1e-10;
   PoseReport report, fresh_report;
   ASSERT_TRUE(state.Solve(settle, &report).ok());

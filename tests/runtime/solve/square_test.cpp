@@ -1,5 +1,6 @@
 // The paper's figures 1 and 8: a square with three example shapes dragged by its right handle.
 #include "runtime/solve/solved_character.h"
+#include "solve/nearness_step.h"
 #include "solve/pose_solver.h"
 
 namespace limber {
@@ -74,6 +75,39 @@ TEST_P(SquareTest, BetweenShapes_BlendIsTheExactPiecewiseLinearMix) {
     DragTo(expected.x);
     EXPECT_LT((MeanBlend() - expected.blend).cwiseAbs().maxCoeff(), 1e-3)
         << "at " << expected.x << ": " << MeanBlend().transpose();
+  }
+}
+
+// On a plateau: what the mix costs by its nearness alone, with no elastic energy at all, is more
+// than what the solver found. Without rotations the problem is convex, so this is a proof that the
+// printed energy, not the solver, leaves the mix there.
+TEST_P(SquareTest, NearAnExample_TheMixCostsMore) {
+  const struct {
+    float x;
+    int near, far;
+    double share;  // of `far` in the mix
+  } cases[] = {{1.5f, 1, 0, 1.0 / 6}, {1.1f, 0, 1, 1.0 / 6}, {2.3f, 2, 1, 0.125}};
+
+  const std::shared_ptr<const PoseModel> model = PoseModel::Create(rig_).value();
+  for (const auto& target : cases) {
+    const PoseReport report = DragTo(target.x);
+    NearnessStep<2> nearness(*model);
+    std::vector<double> targets;
+    for (const int handle : model->pins->handles) {
+      const Vec3 x = rig_->ToRig(state_->target(handle));
+      targets.insert(targets.end(), {double{x.x}, double{x.y}});
+    }
+    for (int i = 0; i < 300; ++i)
+      nearness.Run(*model, *model->pins, targets.data(), !GetParam());
+    double mix = 0;
+    for (int g = 0; g < rig_->num_groups(); ++g) {
+      mix += (1 - target.share) * nearness.Root(*model, g * 3 + target.near) +
+             target.share * nearness.Root(*model, g * 3 + target.far);
+    }
+    const auto scale = static_cast<double>(rig_->tables().space.scale);
+    EXPECT_LT(report.energy, PoseOptions().lambda * mix * scale * (1 - 1e-4)) << "at " << target.x;
+    // Nearer to the example than three quarters of the way from the mix.
+    EXPECT_GT(MeanBlend()[target.near], 1 - target.share / 4) << "at " << target.x;
   }
 }
 
