@@ -67,6 +67,7 @@ struct RigTables {
   // One FAST model (Jacobson et al. 2012) for each example shape, of which D is made. With
   // m = r1 + k, the energy of group g is E_g = |U [z; -R^T]|^2, U upper triangular, packed by rows.
   std::vector<float> single_handle_modes;   // [S][H][1 + r1]
+  std::vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]: phi_0 | Phi_1 of theirs
   std::vector<float> single_edges;          // [S][G][k][r1]
   std::vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
 

@@ -52,9 +52,10 @@ void UniformColumns<K>::Column(int shape, double* column) {
 }
 
 template <int K>
-Alternation<K>::Alternation(const PoseModel& model)
-    : targets(static_cast<size_t>(model.rig->num_handles()) * K),
+Alternation<K>::Alternation(const PoseModel& model, size_t max_pins)
+    : targets(std::max(max_pins, model.pins->capacity()) * K),
       kernels_(ChooseSolveKernels<K>()),
+      pins_(model.pins.get()),
       nearness_floor_(kNearnessFloor * std::sqrt(model.energy_scale)),
       rotations_(model.chunks() * kBlockLanes * K * K),
       last_rotations_(rotations_),
@@ -75,7 +76,7 @@ Alternation<K>::Alternation(const PoseModel& model)
       uniform_blend_(PaddedSize(static_cast<size_t>(model.num_shapes))),
       uniform_nearness_(uniform_blend_),
       uniform_rows_(goal_.size() * uniform_blend_.size()),
-      nearness_step_(model) {}
+      nearness_step_(model, max_pins) {}
 
 template <int K>
 typename Alternation<K>::Rotation Alternation<K>::rotation(int block) const {
@@ -99,18 +100,26 @@ void Alternation<K>::ResetToRest(const PoseModel& model) {
   std::fill(blend_.begin(), blend_.end(), 0.0);
   for (int block = 0; block < model.num_blocks; block += model.num_shapes)
     blend_[static_cast<size_t>(block)] = 1;
-  UpdateGoal(model);
+  UpdateGoal();
   RotateLoads(model);
   UpdateResidual(model);
   UpdateProduct(model);
 }
 
+template <int K>
+void Alternation<K>::UsePins(const PoseModel& model, const PinSet& pins) {
+  pins_ = &pins;
+  blend_step_.ForgetColumns();
+  uniform_step_.ForgetColumns();
+  RotateLoads(model);
+}
+
 // L^T X.
 template <int K>
-void Alternation<K>::UpdateGoal(const PoseModel& model) {
-  const PinSet& pins = *model.pins;
+void Alternation<K>::UpdateGoal() {
+  const PinSet& pins = *pins_;
   for (size_t p = 0; p < pins.rank(); ++p) {
-    const auto root = pins.system.root.col(static_cast<Eigen::Index>(p));
+    const auto root = pins.system.root().col(static_cast<Eigen::Index>(p));
     for (size_t c = 0; c < K; ++c) {
       double goal = 0;
       for (size_t pin = 0; pin < pins.size(); ++pin)
@@ -122,17 +131,19 @@ void Alternation<K>::UpdateGoal(const PoseModel& model) {
 
 template <int K>
 void Alternation<K>::RotateLoads(const PoseModel& model) {
-  kernels_.rotate_loads(model.pins->loads.data(), rotations_.data(), model.pins->rank(),
-                        model.chunks(), rows_.data());
+  kernels_.rotate_loads(pins_->loads.data(), rotations_.data(), pins_->rank(), model.chunks(),
+                        rows_.data());
 }
 
 // e = L^T X - sum_j B_j L^T V_j^T R_j^T.
 template <int K>
 void Alternation<K>::UpdateResidual(const PoseModel& model) {
-  for (size_t row = 0; row < model.pins->rank() * K; ++row) {
+  const size_t rows = pins_->rank() * K;
+  for (size_t row = 0; row < rows; ++row) {
     residual_[row] = goal_[row] - kernels_.dot(rows_.data() + row * blend_.size(), blend_.data(),
                                                model.chunks());
   }
+  std::fill(residual_.begin() + static_cast<ptrdiff_t>(rows), residual_.end(), 0.0);
 }
 
 // P_i = sum_j gram_ij B_j R_j^T; of a folded rig it is not needed.
@@ -166,7 +177,7 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
                          fits_.data() + model.near_first(j) * kBlockLanes * (size_t{K} * K));
   }
   UpdateResidual(model);  // of the last B and R, for the present targets
-  kernels_.add_loads(model.pins->loads.data(), residual_.data(), model.pins->rank(), model.chunks(),
+  kernels_.add_loads(pins_->loads.data(), residual_.data(), pins_->rank(), model.chunks(),
                      fits_.data());
   FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_blocks), fits_, rotations_.data(),
                        &failed_);
@@ -214,7 +225,7 @@ BlendReport Alternation<K>::SolveConvexStep(const PoseModel& model) {
   RotatedColumns<K> columns(model, rotations_);
   BlendProblem problem;
   problem.quadratic = &columns;
-  problem.num_rows = static_cast<int>(model.pins->rank() * K);
+  problem.num_rows = static_cast<int>(pins_->rank() * K);
   problem.rows = rows_.data();
   problem.goal = goal_.data();
   problem.nearness = nearness_.data();
@@ -258,7 +269,7 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
                                                      const Settings& settings) {
   Outcome outcome;
   settings_ = settings;
-  UpdateGoal(model);
+  UpdateGoal();
   if (settings.rotations) {
     outcome.change = FitRotations(model);
   } else {
@@ -266,7 +277,7 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   }
   RotateLoads(model);
   if (model.num_shapes > 1) {
-    nearness_step_.Run(model, *model.pins, targets.data(), !settings.rotations);
+    nearness_step_.Run(model, *pins_, targets.data(), !settings.rotations);
     last_blend_ = blend_;
     outcome.convex = SolveConvexStep(model);
     for (size_t i = 0; i < blend_.size(); ++i)
@@ -315,14 +326,14 @@ double Alternation<K>::ElasticEnergy(const PoseModel& model, double* nearness) {
 // T^ = phi_0 t + Phi_1 C^T L e + sum_j Phi_1 K_z,j^T B_j R_j^T, t = w (X - C b).
 template <int K>
 const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) {
-  const PinSet& pins = *model.pins;
+  const PinSet& pins = *pins_;
   const size_t chunks = model.row_chunks();
   std::fill(transforms_.begin(), transforms_.end(), 0.0);
   std::fill(pin_values_.begin(), pin_values_.end(), 0.0);
   for (size_t pin = 0; pin < pins.size(); ++pin) {
     for (size_t c = 0; c < K; ++c) {
       pin_values_[c] +=
-          pins.system.translation[static_cast<Eigen::Index>(pin)] * targets[pin * K + c];
+          pins.system.translation()[static_cast<Eigen::Index>(pin)] * targets[pin * K + c];
     }
   }
   std::copy_n(residual_.begin(), pins.rank() * K, pin_values_.begin() + K);

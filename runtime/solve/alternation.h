@@ -70,7 +70,12 @@ class Alternation {
     BlendReport convex;  // of the convex step
   };
 
-  explicit Alternation(const PoseModel& model);
+  // max_pins: rows of the largest pin set that UsePins will see, where larger than the model's own.
+  // Begins with that.
+  explicit Alternation(const PoseModel& model, size_t max_pins = 0);
+
+  // What is held from now on; the targets are to be set anew. Outlives its use here.
+  void UsePins(const PoseModel& model, const PinSet& pins);
 
   // The linear term of the convex step, lambda sqrt(D) or lambda D.
   class Term;
@@ -88,7 +93,7 @@ class Alternation {
   // T^: [row chunk][K][8], valid until the next call.
   const AlignedVector<double>& Transforms(const PoseModel& model);
 
-  AlignedVector<double> targets;  // X, [c][K], rig space
+  AlignedVector<double> targets;  // X, [c][K], rig space, in the pin set's order
 
   const AlignedVector<double>& blend() const { return blend_; }
 
@@ -99,7 +104,7 @@ class Alternation {
  private:
   void HoldRotationsAtIdentity();
   double FitRotations(const PoseModel& model);
-  void UpdateGoal(const PoseModel& model);
+  void UpdateGoal();
   void RotateLoads(const PoseModel& model);
   void UpdateResidual(const PoseModel& model);
   void UpdateProduct(const PoseModel& model);
@@ -108,6 +113,7 @@ class Alternation {
   double NearnessOf(double root) const;
 
   const SolveKernels& kernels_;
+  const PinSet* pins_;
   double nearness_floor_;                             // of sqrt(D)
   Settings settings_;                                 // of the last Run
   AlignedVector<double> rotations_, last_rotations_;  // R, planes

@@ -143,6 +143,8 @@ void BlendWeightStep::UpdateUsedGradient(const BlendProblem& problem, const doub
     weights_[slot] = blend[used_[slot]];
   for (int row = 0; row < problem.num_rows; ++row)
     residual_[static_cast<size_t>(row)] = -problem.goal[row];
+  std::fill(residual_.begin() + problem.num_rows,
+            residual_.begin() + static_cast<ptrdiff_t>(row_stride_), 0.0);
   const size_t row_chunks = row_stride_ / kBlockLanes;
   kernels_.add_rows(loads_.data(), row_stride_, weights_.data(), count, row_chunks,
                     residual_.data());
@@ -355,6 +357,10 @@ double BlendWeightStep::Objective(const BlendProblem& problem, const double* ble
 BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   const int most_faces = 50 + 8 * num_blocks_;
   BlendReport report;
+  if (Padded(problem.num_rows) != row_stride_) {
+    ForgetColumns();
+    row_stride_ = Padded(problem.num_rows);
+  }
   for (int j = 0; j < num_blocks_; ++j) {
     is_free_[static_cast<size_t>(j)] = blend[j] > 0 ? 1 : 0;
     start_[static_cast<size_t>(j)] = blend[j];

@@ -97,7 +97,7 @@ class BlendWeightStep {
 
   const SolveKernels& kernels_;
   int num_groups_, num_shapes_, num_blocks_, max_used_;
-  size_t padded_, row_stride_, used_stride_;  // G*S, max_rows and max_used in whole chunks
+  size_t padded_, row_stride_, used_stride_;  // G*S, rows and max_used in whole chunks
 
   // The weights in use, by slot.
   std::vector<int> used_;            // block of each slot

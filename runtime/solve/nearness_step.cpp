@@ -14,7 +14,7 @@ constexpr double kRootRounding = 1e-6;
 }  // namespace
 
 template <int K>
-NearnessStep<K>::NearnessStep(const PoseModel& model)
+NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
     : kernels_(ChooseSolveKernels<K>()),
       shape_planes_(model.group_chunks() * kBlockLanes * K * K),
       stride_(model.single_stride()),
@@ -22,7 +22,7 @@ NearnessStep<K>::NearnessStep(const PoseModel& model)
       last_rotations_(shape_planes_),
       modes_(static_cast<size_t>(model.num_shapes) * K * stride_),
       last_modes_(K * stride_),
-      gaps_(static_cast<size_t>(model.rig->num_handles()) * K),
+      gaps_(std::max(max_pins, model.pins->capacity()) * K),
       fits_(shape_planes_),
       stacked_(K * stride_),
       turned_(model.group_chunks() * kBlockLanes),
@@ -49,16 +49,16 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
   std::copy_n(modes, K * stride_, last_modes_.data());
   kernels_.single_modes(model.single_edges_by_mode.data() + shape * groups * K * stride_,
                         Rotations(shape), groups, chunks, modes);
-  const double* held = pins.single_modes.data() + shape * count * stride_;
+  const double* held = pins.single_modes(shape);
   for (size_t p = 0; p < count; ++p) {
     for (size_t c = 0; c < K; ++c) {
       gaps_[p * K + c] =
           targets[p * K + c] - kernels_.dot(held + p * stride_, modes + c * stride_, chunks);
     }
   }
-  const Eigen::MatrixXd& response = pins.single_response[shape];
+  const double* response = pins.single_response(shape);
   for (size_t p = 0; p < count; ++p) {
-    const double* row = response.data() + p * count;  // symmetric
+    const double* row = response + p * count;  // symmetric
     for (size_t c = 0; c < K; ++c) {
       double answer = 0;
       for (size_t other = 0; other < count; ++other)

@@ -17,7 +17,8 @@ namespace limber {
 template <int K>
 class NearnessStep {
  public:
-  explicit NearnessStep(const PoseModel& model);
+  // max_pins: rows of the largest pin set that Run will see, where larger than the model's own.
+  explicit NearnessStep(const PoseModel& model, size_t max_pins = 0);
 
   // All rotations the identity, nothing known of D.
   void Reset();

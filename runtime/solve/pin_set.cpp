@@ -2,91 +2,107 @@
 
 #include "solve/kernels/solve_kernels.h"
 
+#include <algorithm>
+
 namespace limber {
 namespace {
 
-using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using TableMap = Eigen::Map<const RowMajorF>;
-
-// Rows of the held handles of a [H][1 + modes] table, without the translation's column.
-Eigen::MatrixXd HeldRows(const float* handle_modes, Eigen::Index num_handles, Eigen::Index modes,
-                         const std::vector<int>& handles) {
-  const TableMap table(handle_modes, num_handles, 1 + modes);
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(handles.size()), modes);
-  for (size_t c = 0; c < handles.size(); ++c)
-    rows.row(static_cast<Eigen::Index>(c)) = table.row(handles[c]).tail(modes).cast<double>();
-  return rows;
-}
-
-// K_z C^T: rows (block, axis), a column a pin.
-void LayOutLoads(const RigTables& tables, const Eigen::MatrixXd& loads, PinSet* pins) {
-  const int k = tables.dimension;
-  const Eigen::MatrixXd scaled = loads * pins->system.root;
-  const Eigen::VectorXd shifts = loads * pins->system.translation.transpose();
-  const size_t blocks = static_cast<size_t>(scaled.rows()) / static_cast<size_t>(k);
-  const size_t padded = PaddedSize(blocks), rank = pins->rank();
-  pins->loads.assign(padded * static_cast<size_t>(k) * rank, 0.0);
-  pins->shifts.assign(padded * static_cast<size_t>(k), 0.0);
-  for (size_t block = 0; block < blocks; ++block) {
-    for (size_t axis = 0; axis < static_cast<size_t>(k); ++axis) {
-      const auto row = static_cast<Eigen::Index>(block * static_cast<size_t>(k) + axis);
-      pins->shifts[axis * padded + block] = shifts[row];
-      for (size_t p = 0; p < rank; ++p) {
-        const size_t chunk = block / kBlockLanes;
-        pins->loads[((chunk * static_cast<size_t>(k) + axis) * rank + p) * kBlockLanes +
-                    block % kBlockLanes] = scaled(row, static_cast<Eigen::Index>(p));
-      }
-    }
-  }
-}
-
-void LayOutTransforms(const RigTables& tables, PinSet* pins) {
-  const Eigen::Index n = tables.num_transform_rows(), r = tables.num_modes;
-  const TableMap modes(tables.mode_transforms.data(), n, 1 + r);
-  Eigen::MatrixXd columns(n, 1 + pins->system.root.cols());
-  columns.col(0) = modes.col(0).cast<double>();
-  columns.rightCols(pins->system.root.cols()) =
-      modes.rightCols(r).cast<double>() * (pins->system.modes.transpose() * pins->system.root);
-  const auto k = static_cast<size_t>(tables.dimension);
-  const size_t padded = PaddedSize(static_cast<size_t>(n));
-  const size_t bunches = (static_cast<size_t>(columns.cols()) + k - 1) / k;
-  pins->transforms.assign(bunches * k * padded, 0.0f);
-  for (Eigen::Index column = 0; column < columns.cols(); ++column) {
-    const size_t bunch = static_cast<size_t>(column) / k, place = static_cast<size_t>(column) % k;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto row = static_cast<size_t>(i);
-      pins->transforms[bunch * k * padded + (row / kBlockLanes * k + place) * kBlockLanes +
-                       row % kBlockLanes] = static_cast<float>(columns(i, column));
-    }
-  }
+size_t NumShapesOfSingles(const Rig& rig) {
+  return rig.num_shapes() == 1 ? 0 : static_cast<size_t>(rig.num_shapes());
 }
 
 }  // namespace
 
-std::shared_ptr<const PinSet> PinSet::Create(const RigTables& tables, std::vector<int> handles) {
-  auto pins = std::make_shared<PinSet>();
-  const Eigen::Index num_handles = tables.num_handles(), r = tables.num_modes;
-  pins->system =
-      ConstraintSystem::Create(HeldRows(tables.handle_modes.data(), num_handles, r, handles));
-  const Eigen::Index rows =
-      static_cast<Eigen::Index>(tables.num_groups) * tables.num_shapes() * tables.dimension;
-  const TableMap edges(tables.mode_edges.data(), rows, r);
-  LayOutLoads(tables, edges.cast<double>() * pins->system.modes.transpose(), pins.get());
-  LayOutTransforms(tables, pins.get());
-  const Eigen::Index r1 = tables.num_single_modes;
-  const auto stride =
-      static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(r1 + tables.dimension)));
-  for (Eigen::Index s = 0; s < tables.num_shapes(); ++s) {
-    const ConstraintSystem single = ConstraintSystem::Create(HeldRows(
-        tables.single_handle_modes.data() + s * num_handles * (1 + r1), num_handles, r1, handles));
-    for (const auto& row : single.modes.rowwise()) {
-      pins->single_modes.insert(pins->single_modes.end(), row.begin(), row.end());
-      pins->single_modes.insert(pins->single_modes.end(), static_cast<size_t>(stride - r1), 0.0);
+PinSet::PinSet(const Rig& rig, size_t max_rows)
+    : system(max_rows, static_cast<size_t>(rig.tables().num_modes)),
+      holds_capacity_(max_rows),
+      dimension_(static_cast<size_t>(rig.dimension())),
+      num_blocks_(static_cast<size_t>(rig.num_groups()) * static_cast<size_t>(rig.num_shapes())),
+      num_transforms_(static_cast<size_t>(rig.tables().num_transform_rows())),
+      num_shapes_(NumShapesOfSingles(rig)),
+      single_stride_(PaddedSize(static_cast<size_t>(rig.tables().num_single_modes) + dimension_)),
+      num_single_modes_(static_cast<size_t>(rig.tables().num_single_modes)),
+      single_system_(max_rows, num_single_modes_),
+      single_modes_(num_shapes_ * max_rows * single_stride_),
+      single_response_(num_shapes_ * max_rows * max_rows) {
+  const size_t padded = PaddedSize(num_blocks_);
+  loads.resize(padded * dimension_ * max_rows);
+  shifts.resize(padded * dimension_);
+  const size_t bunches = (1 + max_rows + dimension_ - 1) / dimension_;
+  transforms.resize(bunches * dimension_ * PaddedSize(num_transforms_));
+  rows_.resize(max_rows);
+}
+
+void PinSet::Build(const Rig& rig, std::span<const Hold> holds) {
+  for (size_t i = 0; i < holds.size(); ++i)
+    rows_[i] = {holds[i].row.modes, holds[i].row.translation, holds[i].compliance};
+  system.Compute({rows_.data(), holds.size()});
+  LayOutLoads(holds);
+  LayOutTransforms(rig, holds);
+  BuildSingles(holds);
+}
+
+void PinSet::LayOutLoads(std::span<const Hold> holds) {
+  const size_t padded = PaddedSize(num_blocks_), q = rank();
+  const auto root = system.root();
+  const auto translation = system.translation();
+  for (size_t row = 0; row < num_blocks_ * dimension_; ++row) {
+    const size_t block = row / dimension_, axis = row % dimension_, chunk = block / kBlockLanes;
+    double shift = 0;
+    for (size_t i = 0; i < holds.size(); ++i)
+      shift += holds[i].row.loads[row] * translation[static_cast<Eigen::Index>(i)];
+    shifts[axis * padded + block] = shift;
+    for (size_t p = 0; p < q; ++p) {
+      const double* column = root.data() + p * holds.size();
+      double load = 0;
+      for (size_t i = 0; i < holds.size(); ++i)
+        load += holds[i].row.loads[row] * column[i];
+      loads[((chunk * dimension_ + axis) * q + p) * kBlockLanes + block % kBlockLanes] = load;
     }
-    pins->single_response.push_back(single.response);
   }
-  pins->handles = std::move(handles);
-  return pins;
+  // The lanes past the last block, which another rank may have used for something else.
+  for (size_t block = num_blocks_; block < padded; ++block) {
+    for (size_t entry = 0; entry < dimension_ * q; ++entry)
+      loads[(block / kBlockLanes * dimension_ * q + entry) * kBlockLanes + block % kBlockLanes] = 0;
+  }
+}
+
+void PinSet::LayOutTransforms(const Rig& rig, std::span<const Hold> holds) {
+  const RigTables& tables = rig.tables();
+  const auto modes = 1 + static_cast<size_t>(tables.num_modes);
+  const size_t padded = PaddedSize(num_transforms_);
+  const auto root = system.root();
+  std::fill(transforms.begin(), transforms.end(), 0.0f);
+  for (size_t column = 0; column < 1 + rank(); ++column) {
+    float* bunch = transforms.data() + column / dimension_ * dimension_ * padded +
+                   column % dimension_ * kBlockLanes;
+    for (size_t row = 0; row < num_transforms_; ++row) {
+      double sum = 0;
+      if (column == 0) {
+        sum = static_cast<double>(tables.mode_transforms[row * modes]);
+      } else {
+        for (size_t i = 0; i < holds.size(); ++i)
+          sum += holds[i].row.response[row] *
+                 root(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(column - 1));
+      }
+      bunch[row / kBlockLanes * dimension_ * kBlockLanes + row % kBlockLanes] =
+          static_cast<float>(sum);
+    }
+  }
+}
+
+void PinSet::BuildSingles(std::span<const Hold> holds) {
+  for (size_t s = 0; s < num_shapes_; ++s) {
+    double* modes = single_modes_.data() + s * holds.size() * single_stride_;
+    for (size_t i = 0; i < holds.size(); ++i) {
+      std::copy_n(holds[i].row.single + s * single_stride_, single_stride_,
+                  modes + i * single_stride_);
+      rows_[i].modes = modes + i * single_stride_;
+    }
+    single_system_.Compute({rows_.data(), holds.size()});
+    std::copy_n(single_system_.response().data(), holds.size() * holds.size(),
+                single_response_.data() + s * holds.size() * holds.size());
+  }
 }
 
 }  // namespace limber

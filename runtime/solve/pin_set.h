@@ -1,30 +1,39 @@
-// Which points are held, and everything about them that a frame needs. Immutable; made from a model
-// in O(c^3 + G S k r c) for c pins, whatever the mesh's size.
+// What is held at the moment, and everything about it that a frame needs. Room for a number of
+// rows is taken at construction; Build fills it in O(c^3 S + G S k c^2 + n c^2) for c rows,
+// whatever the mesh's size, and allocates nothing.
 #pragma once
 
 #include "core/aligned_vector.h"
-#include "core/status.h"
-#include "rig/rig_tables.h"
+#include "rig/rig.h"
 #include "solve/constraint_system.h"
+#include "solve/held_rows.h"
 
-#include <Eigen/Core>
-
-#include <memory>
+#include <span>
 #include <vector>
 
 namespace limber {
 
-struct PinSet {
-  // handles: those held, ascending, at least one.
-  static std::shared_ptr<const PinSet> Create(const RigTables& tables, std::vector<int> handles);
+struct Hold {
+  HeldRow row;
+  double compliance = 0;  // rig units; 0: exactly
+};
 
-  size_t size() const { return handles.size(); }  // c
+class PinSet {
+ public:
+  PinSet(const Rig& rig, size_t max_rows);
 
-  std::vector<int> handles;
+  // holds: 1 to max_rows, one of them at least a point of the skin. The rig is that of
+  // construction; the rows' data must live as long as this is used.
+  void Build(const Rig& rig, std::span<const Hold> holds);
+
+  size_t capacity() const { return holds_capacity_; }
+
+  size_t size() const { return system.size(); }  // c
+
+  size_t rank() const { return system.rank(); }  // q
+
   // C, W = L L^T and w: the pins' energy is 1/2 |L^T (X - C b)|^2.
   ConstraintSystem system;
-
-  size_t rank() const { return static_cast<size_t>(system.root.cols()); }  // q
 
   // V_i L for every block, with V_i = K_z,i C^T: [chunk][k][q][8].
   AlignedVector<double> loads;
@@ -33,9 +42,27 @@ struct PinSet {
   // The transforms of a translation and those that the pins' residuals ask for, phi_0 | Phi_1 C^T
   // L: 1 + q columns in bunches of k, [bunch][row chunk][k][8].
   AlignedVector<float> transforms;
-  // The models of one shape. Rows of C padded with zeros: [S][c][r1 + k padded].
-  AlignedVector<double> single_modes;
-  std::vector<Eigen::MatrixXd> single_response;  // W, S of c x c
+
+  // The models of one shape. C padded with zeros: [c][r1 + k padded]; W: [c][c].
+  const double* single_modes(size_t shape) const {
+    return single_modes_.data() + shape * size() * single_stride_;
+  }
+
+  const double* single_response(size_t shape) const {
+    return single_response_.data() + shape * size() * size();
+  }
+
+ private:
+  void LayOutLoads(std::span<const Hold> holds);
+  void LayOutTransforms(const Rig& rig, std::span<const Hold> holds);
+  void BuildSingles(std::span<const Hold> holds);
+
+  size_t holds_capacity_, dimension_, num_blocks_, num_transforms_, num_shapes_;
+  size_t single_stride_, num_single_modes_;
+  ConstraintSystem single_system_;
+  std::vector<ConstraintRow> rows_;  // scratch
+  AlignedVector<double> single_modes_;
+  std::vector<double> single_response_;
 };
 
 }  // namespace limber

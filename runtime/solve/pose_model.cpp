@@ -161,6 +161,20 @@ double SumOfEdgeEnergies(const RigTables& tables) {
   return sum;
 }
 
+void HoldHandles(PoseModel* model) {
+  const Rig& rig = *model->rig;
+  const auto rows = std::make_shared<HeldRowTable>(rig, rig.tables().handles.size());
+  for (int h = 0; h < rig.num_handles(); ++h)
+    rows->FillHandle(rig, static_cast<size_t>(h), h);
+  std::vector<Hold> holds;
+  for (const int h : model->pinned_handles)
+    holds.push_back({rows->row(static_cast<size_t>(h)), 0});
+  const auto pins = std::make_shared<PinSet>(rig, holds.size());
+  pins->Build(rig, holds);
+  model->handle_rows = rows;
+  model->pins = pins;
+}
+
 void LayOutTables(PoseModel* model) {
   const RigTables& tables = model->rig->tables();
   if (model->is_folded) {
@@ -197,19 +211,18 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Build(std::shared_ptr<const 
   model->num_single_modes = tables.num_single_modes;
   model->num_blocks = blocks;
   model->is_folded = !tables.has_rotations;
-  std::vector<int> held;
   for (int h = 0; h < tables.num_handles(); ++h) {
     const bool pinned = tables.handles[static_cast<size_t>(h)].pinned;
-    model->pin_of_handle.push_back(pinned ? static_cast<int>(held.size()) : -1);
-    if (pinned) held.push_back(h);
+    model->pin_of_handle.push_back(pinned ? static_cast<int>(model->pinned_handles.size()) : -1);
+    if (pinned) model->pinned_handles.push_back(h);
   }
-  if (held.empty()) {
+  if (model->pinned_handles.empty()) {
     return Error(StatusCode::kNoHandles, "%s: no handle is pinned; pin at least one",
                  rig->name().c_str());
   }
   model->energy_scale = 0.5 * SumOfEdgeEnergies(tables) / model->num_shapes;
-  model->pins = PinSet::Create(tables, std::move(held));
   model->rig = std::move(rig);
+  HoldHandles(model.get());
   LayOutTables(model.get());
   return std::shared_ptr<const PoseModel>(std::move(model));
 }

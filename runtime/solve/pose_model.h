@@ -7,6 +7,7 @@
 #include "core/aligned_vector.h"
 #include "core/status.h"
 #include "rig/rig.h"
+#include "solve/held_rows.h"
 #include "solve/kernels/solve_kernels.h"
 #include "solve/pin_set.h"
 
@@ -25,9 +26,11 @@ class PoseModel {
 
   std::shared_ptr<const Rig> rig;
   int k = 0, num_groups = 0, num_shapes = 0, num_modes = 0, num_single_modes = 0;  // k G S r r1
-  int num_blocks = 0;                  // N = G*S, numbered g*S + s
-  std::vector<int> pin_of_handle;      // [H]: row of `pins`, -1 for a free handle
-  std::shared_ptr<const PinSet> pins;  // the handles that are pinned in the rig
+  int num_blocks = 0;                               // N = G*S, numbered g*S + s
+  std::vector<int> pin_of_handle;                   // [H]: row of `pins`, -1 for a free handle
+  std::vector<int> pinned_handles;                  // those that are pinned in the rig, ascending
+  std::shared_ptr<const PinSet> pins;               // made of them
+  std::shared_ptr<const HeldRowTable> handle_rows;  // of all handles
   double energy_scale = 0;  // 1/2 mean over shapes of tr H: the size of one example's edges
 
   size_t chunks() const { return NumChunks(static_cast<size_t>(num_blocks)); }

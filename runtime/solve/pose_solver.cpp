@@ -2,6 +2,7 @@
 
 #include "core/out_of_memory.h"
 #include "solve/alternation.h"
+#include "solve/held_points.h"
 #include "solve/pose_model.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 constexpr int kRestIterations = 30;
 constexpr double kRestTolerance = 1e-9;
 constexpr int kMaxIterations = 1'000'000;
-constexpr float kFarthestTarget = 1e6f;  // rig units: sizes of the character
+constexpr int kMostExtraHolds = 1000;  // of each kind: more is a mistake
 
 // scale * basis * [A | t] for every block of T^, 3x4 row-major, with A the block transposed; in the
 // plane the third rig coordinate is zero and stays so. transforms: [row chunk][K][8].
@@ -51,97 +52,44 @@ void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transform
 
 class PoseState::Impl {
  public:
-  explicit Impl(std::shared_ptr<const PoseModel> model);
+  Impl(std::shared_ptr<const PoseModel> model, PoseRoom room);
 
-  Status SetTarget(int handle, Vec3 position);
   void ResetToRest();
   Status Solve(const PoseOptions& options, PoseReport* report);
   void UpdateMatrices();
+  Vec3 Place(const SkinPoint& point) const;
 
   std::shared_ptr<const PoseModel> model;
-  std::vector<Vec3> targets;    // [H], mesh space, as set
+  HeldPoints held;
   std::vector<float> matrices;  // [H][S][3][4]
   std::variant<Alternation<2>, Alternation<3>> alternation;
 
  private:
-  static std::variant<Alternation<2>, Alternation<3>> MakeAlternation(const PoseModel& model) {
-    if (model.k == 2) return Alternation<2>(model);
-    return Alternation<3>(model);
+  static std::variant<Alternation<2>, Alternation<3>> MakeAlternation(const PoseModel& model,
+                                                                      size_t max_pins) {
+    if (model.k == 2) return Alternation<2>(model, max_pins);
+    return Alternation<3>(model, max_pins);
   }
-
-  void StoreTarget(int handle, Vec3 position);
 };
 
-PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model)
+PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom room)
     : model(std::move(shared_model)),
-      alternation(MakeAlternation(*model)) {
+      held(*model, room.grabs, room.rotations),
+      alternation(MakeAlternation(*model, held.capacity())) {
   const RigTables& tables = model->rig->tables();
-  targets.resize(tables.handles.size());
   matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
   ResetToRest();
 }
 
-void PoseState::Impl::StoreTarget(int handle, Vec3 position) {
-  targets[static_cast<size_t>(handle)] = position;
-  const int pin = model->pin_of_handle[static_cast<size_t>(handle)];
-  if (pin < 0) return;
-  // In double: a target far from the origin keeps its digits until it is centred.
-  const RigSpace& space = model->rig->tables().space;
-  double rig_position[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    double turned = 0;
-    for (int a = 0; a < 3; ++a) {
-      turned += static_cast<double>(space.basis[3 * axis + a]) *
-                (static_cast<double>(position[a]) - static_cast<double>(space.origin[a]));
-    }
-    rig_position[axis] = turned / static_cast<double>(space.scale);
-  }
+void PoseState::Impl::ResetToRest() {
+  held.Reset(*model);
   std::visit(
-      [&](auto& unknowns) {
-        double* target = unknowns.targets.data() + ptrdiff_t{pin} * model->k;
-        std::copy_n(rig_position, model->k, target);
+      [this](auto& unknowns) {
+        unknowns.UsePins(*model, *model->pins);
+        held.StoreTargets(unknowns.targets.data());
+        unknowns.ResetToRest(*model);
       },
       alternation);
-}
-
-Status PoseState::Impl::SetTarget(int handle, Vec3 position) {
-  if (handle < 0 || handle >= static_cast<int>(targets.size())) {
-    return Error(StatusCode::kInvalidArgument, "%s: handle %d; expected 0 to %zu",
-                 model->rig->name().c_str(), handle, targets.size() - 1);
-  }
-  const RigHandle& rig_handle = model->rig->tables().handles[static_cast<size_t>(handle)];
-  if (model->pin_of_handle[static_cast<size_t>(handle)] < 0) {
-    return Error(StatusCode::kInvalidArgument,
-                 "%s: handle '%s' is free and takes no target; bake it as pinned",
-                 model->rig->name().c_str(), rig_handle.name.c_str());
-  }
-  if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
-    return Error(StatusCode::kInvalidArgument,
-                 "%s: handle '%s': target (%g, %g, %g) is not finite; the old one is kept",
-                 model->rig->name().c_str(), rig_handle.name.c_str(),
-                 static_cast<double>(position.x), static_cast<double>(position.y),
-                 static_cast<double>(position.z));
-  }
-  const Vec3 local = model->rig->ToRig(position);
-  const float largest = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
-  if (!(largest <= kFarthestTarget)) {
-    return Error(
-        StatusCode::kInvalidArgument,
-        "%s: handle '%s': target (%g, %g, %g) is over a million times the character's size "
-        "away; the old one is kept",
-        model->rig->name().c_str(), rig_handle.name.c_str(), static_cast<double>(position.x),
-        static_cast<double>(position.y), static_cast<double>(position.z));
-  }
-  StoreTarget(handle, position);
-  return {};
-}
-
-void PoseState::Impl::ResetToRest() {
-  const std::vector<RigHandle>& handles = model->rig->tables().handles;
-  for (size_t h = 0; h < handles.size(); ++h) {
-    StoreTarget(static_cast<int>(h), handles[h].rest_position);
-  }
-  std::visit([this](auto& unknowns) { unknowns.ResetToRest(*model); }, alternation);
   PoseOptions settle;
   settle.iterations = kRestIterations;
   settle.settle_tolerance = kRestTolerance;
@@ -164,9 +112,19 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
                  "%s: baked without rotations; solve without them or bake again",
                  model->rig->name().c_str());
   }
+  if (!held.holds_anything()) {
+    return Error(StatusCode::kNoHandles,
+                 "%s: nothing is held, so the character could be anywhere; pin a handle or grab "
+                 "the skin",
+                 model->rig->name().c_str());
+  }
   PoseReport result;
+  bool pins_changed = false;
+  const PinSet& pins = held.Pins(*model, &pins_changed);
   std::visit(
       [&](auto& unknowns) {
+        if (pins_changed) unknowns.UsePins(*model, pins);
+        held.StoreTargets(unknowns.targets.data());
         while (result.iterations < options.iterations && !result.settled) {
           const auto outcome =
               unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations,
@@ -203,23 +161,57 @@ void PoseState::Impl::UpdateMatrices() {
   }
 }
 
+// Eq. 6 at one point, from the matrices that skinning uses.
+Vec3 PoseState::Impl::Place(const SkinPoint& point) const {
+  const SkinMesh& mesh = model->rig->mesh();
+  const auto shapes = static_cast<size_t>(mesh.num_shapes);
+  const auto handles = static_cast<size_t>(mesh.num_handles);
+  double place[3] = {};
+  for (size_t corner = 0; corner < 3; ++corner) {
+    const size_t vertex = point.vertices[corner];
+    for (size_t i = 0; i < handles * shapes; ++i) {
+      const double weight = static_cast<double>(point.weights[corner]) *
+                            static_cast<double>(mesh.weights[vertex * handles + i / shapes]);
+      if (weight == 0) continue;
+      const Vec3 p = mesh.shape_positions[i % shapes * mesh.num_solve_vertices + vertex];
+      const float* m = matrices.data() + i * 12;
+      for (size_t axis = 0; axis < 3; ++axis, m += 4) {
+        place[axis] += weight * (static_cast<double>(m[0]) * static_cast<double>(p.x) +
+                                 static_cast<double>(m[1]) * static_cast<double>(p.y) +
+                                 static_cast<double>(m[2]) * static_cast<double>(p.z) +
+                                 static_cast<double>(m[3]));
+      }
+    }
+  }
+  const RigSpace& space = model->rig->tables().space;
+  return {static_cast<float>(place[0] + static_cast<double>(space.origin[0])),
+          static_cast<float>(place[1] + static_cast<double>(space.origin[1])),
+          static_cast<float>(place[2] + static_cast<double>(space.origin[2]))};
+}
+
 PoseState::PoseState(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 PoseState::PoseState(PoseState&&) noexcept = default;
 PoseState& PoseState::operator=(PoseState&&) noexcept = default;
 PoseState::~PoseState() = default;
 
-Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model) {
+Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model, PoseRoom room) {
   if (model == nullptr) return Error(StatusCode::kInvalidArgument, "no pose model was given");
+  if (room.grabs < 0 || room.grabs > kMostExtraHolds || room.rotations < 0 ||
+      room.rotations > kMostExtraHolds) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: room for %d grabs and %d rotations; expected 0 to %d of each",
+                 model->rig->name().c_str(), room.grabs, room.rotations, kMostExtraHolds);
+  }
   return CatchOutOfMemory(model->rig->name(), [&]() -> Result<PoseState> {
-    return PoseState(std::make_unique<Impl>(model));
+    return PoseState(std::make_unique<Impl>(model, room));
   });
 }
 
-Result<PoseState> PoseState::Create(std::shared_ptr<const Rig> rig) {
+Result<PoseState> PoseState::Create(std::shared_ptr<const Rig> rig, PoseRoom room) {
   Result<std::shared_ptr<const PoseModel>> model = PoseModel::Create(std::move(rig));
   if (!model.ok()) return model.status();
-  return Create(std::move(model).value());
+  return Create(std::move(model).value(), room);
 }
 
 const Rig& PoseState::rig() const {
@@ -227,12 +219,55 @@ const Rig& PoseState::rig() const {
 }
 
 Status PoseState::SetTarget(int handle, Vec3 position_mesh) {
-  return impl_->SetTarget(handle, position_mesh);
+  return impl_->held.SetTarget(rig(), handle, position_mesh);
 }
 
 Vec3 PoseState::target(int handle) const {
-  const bool known = handle >= 0 && handle < static_cast<int>(impl_->targets.size());
-  return known ? impl_->targets[static_cast<size_t>(handle)] : Vec3{};
+  return impl_->held.target(handle);
+}
+
+Status PoseState::Pin(int handle) {
+  const std::vector<RigHandle>& handles = rig().tables().handles;
+  const bool known = handle >= 0 && handle < rig().num_handles();
+  const uint32_t vertex = known ? handles[static_cast<size_t>(handle)].vertex : 0;
+  return impl_->held.Pin(rig(), handle, impl_->Place({{vertex, vertex, vertex}, {1, 0, 0}}));
+}
+
+Status PoseState::Unpin(int handle) {
+  return impl_->held.Unpin(rig(), handle);
+}
+
+bool PoseState::is_pinned(int handle) const {
+  return impl_->held.is_pinned(handle);
+}
+
+Status PoseState::SetStiffness(int handle, float stiffness) {
+  return impl_->held.SetStiffness(rig(), handle, stiffness);
+}
+
+Status PoseState::SetRotation(int handle, Quaternion rotation, float stiffness) {
+  return impl_->held.SetRotation(rig(), handle, rotation, stiffness);
+}
+
+Status PoseState::ClearRotation(int handle) {
+  return impl_->held.ClearRotation(rig(), handle);
+}
+
+Result<int> PoseState::Grab(const SkinPoint& point, float stiffness) {
+  LIMBER_RETURN_IF_ERROR(CheckSkinPoint(rig(), point));
+  return impl_->held.Grab(rig(), point, impl_->Place(point), stiffness);
+}
+
+Status PoseState::SetGrabTarget(int grab, Vec3 position_mesh) {
+  return impl_->held.SetGrabTarget(rig(), grab, position_mesh);
+}
+
+Status PoseState::Release(int grab) {
+  return impl_->held.Release(rig(), grab);
+}
+
+Vec3 PoseState::Place(const SkinPoint& point) const {
+  return CheckSkinPoint(rig(), point).ok() ? impl_->Place(point) : Vec3{};
 }
 
 void PoseState::ResetToRest() {

@@ -7,11 +7,14 @@
 // or throws after PoseState::Create.
 #pragma once
 
+#include "core/quaternion.h"
 #include "core/status.h"
 #include "core/vec3.h"
 #include "rig/rig.h"
+#include "rig/skin_point.h"
 #include "skin/skin_transforms.h"
 
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -43,25 +46,72 @@ struct PoseReport {
   int used_weights = 0;   // blend weights that the convex step worked with, of G*S
 };
 
+// Room that a state is created with: how many points of the skin may be grabbed at once, and how
+// many handles may have a target rotation. Each row of room (one for a grab, k for a rotation)
+// takes some 8 (n + 3 G S k) bytes.
+struct PoseRoom {
+  int grabs = 4;
+  int rotations = 4;
+};
+
+// A stiffness that holds exactly.
+inline constexpr float kHeldExactly = std::numeric_limits<float>::infinity();
+
 class PoseState {
  public:
   // The state at rest: targets at the handles' rest positions, settled on the first example shape.
   // The second form builds a PoseModel for itself; characters of one rig should share one. Errors:
-  // kInvalidArgument (null), those of PoseModel::Create, kOutOfMemory.
-  static Result<PoseState> Create(std::shared_ptr<const PoseModel> model);
-  static Result<PoseState> Create(std::shared_ptr<const Rig> rig);
+  // kInvalidArgument (null, room out of range), those of PoseModel::Create, kOutOfMemory.
+  static Result<PoseState> Create(std::shared_ptr<const PoseModel> model, PoseRoom room = {});
+  static Result<PoseState> Create(std::shared_ptr<const Rig> rig, PoseRoom room = {});
   PoseState(PoseState&&) noexcept;
   PoseState& operator=(PoseState&&) noexcept;
   ~PoseState();
 
   const Rig& rig() const;
   // Mesh space. Refused with kInvalidArgument, keeping the old target: an index out of range, a
-  // free handle (it has no target), a position that is not finite or further than a million times
-  // the character's size from it (single precision would not carry the result).
+  // handle that is not pinned (it has no target), a position that is not finite or further than a
+  // million times the character's size from it (single precision would not carry the result).
   Status SetTarget(int handle, Vec3 position_mesh);
-  // Of a free handle: its rest position. Of an index out of range: the origin.
+  // Of a handle that is not pinned: its last target, at first its rest position. Of an index out of
+  // range: the origin.
   Vec3 target(int handle) const;
+  // Targets at rest; pinned, exactly, are the handles that were baked so; no rotation, no grab.
   void ResetToRest();
+
+  // What is held. A handle is held where it was baked as pinned; while the game runs any handle can
+  // be pinned, where it is at the moment, and let go. Each call that changes what is held (not:
+  // that moves it) costs the next Solve some tens of microseconds for a few handles and shapes
+  // (O(c^3 S + G S k c^2) for c held rows); targets alone cost nothing. With nothing held at all
+  // Solve says so. Errors, nothing being changed: kInvalidArgument (an index out of range, numbers
+  // that are none).
+  Status Pin(int handle);
+  Status Unpin(int handle);
+  bool is_pinned(int handle) const;
+
+  // How firmly a pinned handle follows its target. A finite stiffness adds
+  // 1/2 stiffness |x - target|^2 to E_d (eq. 9; all lengths in rig units), so that a target out of
+  // reach pulls the character without tearing it: 1 pulls like a square patch of the skin that is
+  // stretched along its side, 100 is nearly exact. 1e-6 to 1e9, or kHeldExactly.
+  Status SetStiffness(int handle, float stiffness);
+
+  // Turns a handle: its transform, all example shapes together, turns the neighbourhood of the
+  // handle in the first example by this rotation (mesh space; any length but zero). In the plane
+  // only the part about the plane's normal counts. The position is held or not as before. Stiffness
+  // as above, of points a tenth of the character's size from the handle. Further errors:
+  // kLimitExceeded (no room), kUnsupported (a rig baked in format version 1).
+  Status SetRotation(int handle, Quaternion rotation, float stiffness = kHeldExactly);
+  Status ClearRotation(int handle);
+
+  // Holds any point of the skin, from where it is at the moment. The id is for the calls below and
+  // is never another grab's until a million later; errors as of SetRotation.
+  Result<int> Grab(const SkinPoint& point, float stiffness = kHeldExactly);
+  Status SetGrabTarget(int grab, Vec3 position_mesh);
+  Status Release(int grab);
+
+  // Where a point of the skin is after the last Solve, mesh space; the origin for a point that is
+  // none. (Eq. 6 from transforms(): as skinning sees it.)
+  Vec3 Place(const SkinPoint& point) const;
 
   // Moves towards the optimum from where the last call ended. Costs microseconds to milliseconds,
   // independent of the vertex count. report may be null. Errors, the state being unchanged:

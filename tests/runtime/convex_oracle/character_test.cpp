@@ -33,7 +33,7 @@ struct Posed {
   void Pose(int alternations = 8) {
     std::uniform_real_distribution<double> sway(-0.3, 0.3);
     for (size_t c = 0; c < model->pins->size(); ++c) {
-      const RigHandle& handle = rig->tables().handles[size_t(model->pins->handles[c])];
+      const RigHandle& handle = rig->tables().handles[size_t(model->pinned_handles[c])];
       const Vec3 x = rig->ToRig(handle.rest_position);
       for (int axis = 0; axis < K; ++axis)
         alternation->targets[c * K + size_t(axis)] = x[axis] + sway(numbers);

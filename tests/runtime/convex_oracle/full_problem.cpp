@@ -34,7 +34,7 @@ FullProblem<K>::FullProblem(const PoseModel& model, TransformUnknowns unknowns)
     modes_ = MatrixXd::Identity(inverse_.rows(), inverse_.rows());
   const MatrixXd at_handles =
       FromTable(tables.handle_modes, tables.num_handles(), 1 + tables.num_modes);
-  handles_ = at_handles(model.pins->handles, Eigen::all) * modes_;
+  handles_ = at_handles(model.pinned_handles, Eigen::all) * modes_;
   edges_ = FromTable(tables.mode_edges, Index{model.num_blocks} * K, tables.num_modes);
   residual_ = FromTable(tables.residual_factor, tables.residual_rank,
                         Index{model.num_blocks} * (model.is_folded ? 1 : K));

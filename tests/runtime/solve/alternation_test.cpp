@@ -29,7 +29,7 @@ class AlternationTest : public testing::Test {
     alternation_.emplace(*model_);
     for (size_t c = 0; c < model_->pins->size(); ++c) {
       const RigHandle& handle =
-          rig_->tables().handles[static_cast<size_t>(model_->pins->handles[c])];
+          rig_->tables().handles[static_cast<size_t>(model_->pinned_handles[c])];
       const Vec3 x = rig_->ToRig(handle.rest_position);
       Targets().row(static_cast<Eigen::Index>(c)) << x.x, x.y, x.z;
       pinned_vertices_.push_back(static_cast<int>(handle.vertex));
@@ -146,7 +146,7 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
   const RigTables& tables = rig_->tables();
   const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
       edges(tables.mode_edges.data(), Eigen::Index{model_->num_blocks} * 3, tables.num_modes);
-  const Eigen::MatrixXd loads = edges.cast<double>() * model_->pins->system.modes.transpose();
+  const Eigen::MatrixXd loads = edges.cast<double>() * model_->pins->system.modes().transpose();
   Eigen::MatrixXd gap = Targets();
   const auto turned = [&](int j) {
     return Eigen::MatrixXd((state.rotations[size_t(j)] * loads.middleRows<3>(3 * j)).transpose());
@@ -160,7 +160,7 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
     up[static_cast<size_t>(i)] += step;
     down[static_cast<size_t>(i)] -= step;
     const double differences = (value(up) - value(down)) / (2 * step);
-    double slope = -(turned(i).transpose() * model_->pins->system.response * gap).trace();
+    double slope = -(turned(i).transpose() * model_->pins->system.response() * gap).trace();
     columns.Column(i, column.data());
     for (int j = 0; j < model_->num_blocks; ++j)
       slope += column[size_t(j)] * state.blend[size_t(j)];

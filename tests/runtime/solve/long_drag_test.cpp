@@ -87,7 +87,7 @@ class LongDragTest : public testing::TestWithParam<Case> {
   PoseState MakeState() const { return PoseState::Create(model_).value(); }
 
   void SetTargets(const std::function<Vec3(int)>& target, PoseState* state) const {
-    for (const int handle : model_->pins->handles)
+    for (const int handle : model_->pinned_handles)
       ASSERT_TRUE(state->SetTarget(handle, target(handle)).ok());
   }
 
@@ -131,7 +131,7 @@ class LongDragTest : public testing::TestWithParam<Case> {
     std::vector<Eigen::Vector3d> last;
     for (float frame = 0; frame < kFrames / 2; frame += step) {
       SetTargets([&](int handle) { return wanderer.At(handle, frame); }, &state);
-      for (const int handle : model_->pins->handles) {
+      for (const int handle : model_->pinned_handles) {
         const Vec3 a = wanderer.At(handle, frame), b = wanderer.At(handle, frame + step);
         const Eigen::Vector3f moved(b.x - a.x, b.y - a.y, b.z - a.z);
         steps.target = std::max(steps.target, double{moved.norm() / rig_->diagonal()});
@@ -158,7 +158,7 @@ TEST_P(LongDragTest, WanderingTargets_StaySoundAndAllocateNothing) {
   int64_t allocations = 0;
   for (int frame = 1; frame < kFrames; ++frame) {
     const int64_t before = test::AllocationCount();
-    for (const int handle : model_->pins->handles)
+    for (const int handle : model_->pinned_handles)
       (void)state.SetTarget(handle, wanderer.At(handle, static_cast<float>(frame)));
     (void)state.Solve(GetParam().options, nullptr);
     allocations += test::AllocationCount() - before;
@@ -284,7 +284,7 @@ void ExpectRotationsStayOrthogonal(const bake::RawCharacter& raw) {
   unknowns.ResetToRest(*model);
   const Wanderer wanderer(*rig, 19, 0.5f);
   for (int frame = 0; frame < kFrames; ++frame) {
-    for (const int handle : model->pins->handles) {
+    for (const int handle : model->pinned_handles) {
       const Vec3 target = rig->ToRig(wanderer.At(handle, static_cast<float>(frame)));
       const auto pin = static_cast<size_t>(model->pin_of_handle[static_cast<size_t>(handle)]);
       for (int axis = 0; axis < K; ++axis)
@@ -321,7 +321,7 @@ uint64_t HashOfSession(const std::shared_ptr<const PoseModel>& model,
     if (between) between(frame);
     if (frame % 150 == 149) state.ResetToRest();
     const int place = frame % 40 == 39 ? frame * 17 : frame;  // now and then a jump
-    for (const int handle : model->pins->handles)
+    for (const int handle : model->pinned_handles)
       (void)state.SetTarget(handle, wanderer.At(handle, static_cast<float>(place)));
     (void)state.Solve({}, nullptr);
     const std::span<const float> matrices = state.transforms().matrices;
@@ -365,7 +365,7 @@ TEST_P(SessionHashTest, WithOtherStatesSolvedBetween_IsTheSame) {
   PoseState other = PoseState::Create(model_).value();
   const Wanderer wanderer(*rig_, 23, 2.0f);
   const auto between = [&](int frame) {
-    for (const int handle : model_->pins->handles)
+    for (const int handle : model_->pinned_handles)
       (void)other.SetTarget(handle, wanderer.At(handle, static_cast<float>(frame)));
     PoseOptions options;
     options.square_roots = frame % 3 != 0;

@@ -15,7 +15,7 @@ class NearnessStepTest : public testing::TestWithParam<bool> {
     const std::shared_ptr<const Rig> rig = test::BakeInMemory(test::MakeBendCylinder(12, 16));
     ASSERT_NE(rig, nullptr);
     model_ = PoseModel::Create(rig).value();
-    for (const int handle : model_->pins->handles) {
+    for (const int handle : model_->pinned_handles) {
       const Vec3 x = rig->ToRig(rig->tables().handles[static_cast<size_t>(handle)].rest_position);
       rest_.insert(rest_.end(), {double{x.x}, double{x.y}, double{x.z}});
     }

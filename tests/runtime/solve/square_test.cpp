@@ -93,7 +93,7 @@ TEST_P(SquareTest, NearAnExample_TheMixCostsMore) {
     const PoseReport report = DragTo(target.x);
     NearnessStep<2> nearness(*model);
     std::vector<double> targets;
-    for (const int handle : model->pins->handles) {
+    for (const int handle : model->pinned_handles) {
       const Vec3 x = rig_->ToRig(state_->target(handle));
       targets.insert(targets.end(), {double{x.x}, double{x.y}});
     }

@@ -1,0 +1,92 @@
+// One character's bookkeeping of what is held: which handles, how stiffly, turned how, and which
+// points of the skin have been grabbed. Turns it into a PinSet and its targets when it changes.
+#pragma once
+
+#include "core/quaternion.h"
+#include "core/status.h"
+#include "core/vec3.h"
+#include "solve/held_rows.h"
+#include "solve/pin_set.h"
+#include "solve/pose_model.h"
+#include "solve/pose_solver.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace limber {
+
+class HeldPoints {
+ public:
+  // grabs, rotations: how many of each there may be at once.
+  HeldPoints(const PoseModel& model, int grabs, int rotations);
+
+  // The rig's pinned handles at their rest positions, exactly; no rotation, no grab.
+  void Reset(const PoseModel& model);
+
+  // All positions in mesh space. Errors as in pose_solver.h, the old value being kept.
+  Status SetTarget(const Rig& rig, int handle, Vec3 position);
+  Status Pin(const Rig& rig, int handle, Vec3 place);
+  Status Unpin(const Rig& rig, int handle);
+  Status SetStiffness(const Rig& rig, int handle, float stiffness);
+  Status SetRotation(const Rig& rig, int handle, Quaternion rotation, float stiffness);
+  Status ClearRotation(const Rig& rig, int handle);
+  Result<int> Grab(const Rig& rig, const SkinPoint& point, Vec3 place, float stiffness);
+  Status SetGrabTarget(const Rig& rig, int grab, Vec3 position);
+  Status Release(const Rig& rig, int grab);
+
+  Vec3 target(int handle) const;
+  bool is_pinned(int handle) const;
+
+  // False where nothing holds the character: there is then no pin set.
+  bool holds_anything() const;
+
+  // What is held now; built anew where that changed since the last call. *changed says so.
+  const PinSet& Pins(const PoseModel& model, bool* changed);
+
+  // X, [c][k] in rig space, in the order of Pins' rows: the pinned handles in their order, then
+  // the axes of the handles that are turned, then the grabs.
+  void StoreTargets(double* targets) const;
+
+  // The largest c there can be.
+  size_t capacity() const { return own_pins_.capacity(); }
+
+ private:
+  struct Point {
+    bool held = false;
+    double compliance = 0;
+    Vec3 target;  // mesh space, as set
+    std::array<double, 3> target_rig = {};
+  };
+
+  struct Turn {
+    int handle = -1;  // -1: the slot is empty
+    double compliance = 0;
+    std::array<double, 9> axes = {};  // images of the rig's axes, [axis][coordinate]
+  };
+
+  struct Grabbed : Point {
+    int id = -1;
+  };
+
+  Status CheckHandle(const Rig& rig, int handle) const;
+  Grabbed* FindGrab(int grab);
+  bool IsAsBaked(const RigTables& tables) const;
+
+  size_t turn_row(size_t slot) const { return slot * dimension_; }
+
+  size_t grab_row(size_t slot) const { return turns_.size() * dimension_ + slot; }
+
+  size_t dimension_;
+  std::vector<Point> handles_;
+  std::vector<Turn> turns_;
+  std::vector<Grabbed> grabs_;
+  HeldRowTable extra_rows_;  // of the turns, then of the grabs
+  PinSet own_pins_;
+  std::vector<Hold> holds_;  // scratch
+  bool is_changed_ = false;
+  const PinSet* pins_;  // the model's while nothing was changed
+};
+
+}  // namespace limber
