@@ -2,6 +2,7 @@
 
 #include "viewer/play_drag.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace limber::viewer {
@@ -10,26 +11,8 @@ namespace {
 // Blend weights and rotations that change by less are not seen to move.
 constexpr double kStill = 1e-5;
 
-// Eq. 6 for one solve vertex.
-Vec3 SkinVertex(const SkinMesh& mesh, const SkinTransforms& transforms, uint32_t vertex) {
-  const auto handles = static_cast<size_t>(mesh.num_handles);
-  const auto shapes = static_cast<size_t>(mesh.num_shapes);
-  double sum[3] = {};
-  for (size_t h = 0; h < handles; ++h) {
-    const double weight = mesh.weights[vertex * handles + h];
-    for (size_t s = 0; s < shapes; ++s) {
-      const Vec3 p = mesh.shape_positions[s * mesh.num_solve_vertices + vertex];
-      const float* m = &transforms.matrices[(h * shapes + s) * 12];
-      for (size_t row = 0; row < 3; ++row) {
-        const float* r = m + 4 * row;
-        sum[row] += weight * (double{r[0]} * p.x + double{r[1]} * p.y + double{r[2]} * p.z + r[3]);
-      }
-    }
-  }
-  const Vec3 o = transforms.origin;
-  return {static_cast<float>(o.x + sum[0]), static_cast<float>(o.y + sum[1]),
-          static_cast<float>(o.z + sum[2])};
-}
+// How firmly fingers hold the skin (PoseState::SetStiffness).
+constexpr float kGrabStiffness = 20;
 
 }  // namespace
 
@@ -48,9 +31,6 @@ Result<PlayCharacter> PlayCharacter::Create(const std::shared_ptr<const Rig>& ri
   const auto num_handles = static_cast<size_t>(rig->num_handles());
   character.handle_positions_.resize(num_handles);
   character.pinned_ = std::make_unique<bool[]>(num_handles);
-  for (size_t h = 0; h < num_handles; ++h) {
-    character.pinned_[h] = rig->tables().handles[h].pinned;
-  }
   character.PlaceHandles();
   return character;
 }
@@ -63,9 +43,10 @@ PlayCharacter::PlayCharacter(PoseState state, CpuSkinner skinner, Picker picker)
 void PlayCharacter::PlaceHandles() {
   const std::vector<RigHandle>& handles = rig().tables().handles;
   for (size_t h = 0; h < handles.size(); ++h) {
-    handle_positions_[h] = handles[h].pinned
-                               ? state_.target(static_cast<int>(h))
-                               : SkinVertex(rig().mesh(), transforms(), handles[h].vertex);
+    const uint32_t v = handles[h].vertex;
+    pinned_[h] = state_.is_pinned(static_cast<int>(h));
+    handle_positions_[h] =
+        pinned_[h] ? state_.target(static_cast<int>(h)) : state_.Place({{v, v, v}, {1, 0, 0}});
   }
 }
 
@@ -75,8 +56,38 @@ void PlayCharacter::MoveHandle(int handle, Vec3 target_mesh) {
   moving_ = true;
 }
 
+void PlayCharacter::TogglePin(int handle) {
+  const auto num_pinned = std::count(pinned_.get(), pinned_.get() + rig().num_handles(), true);
+  if (pinned(handle) && num_pinned == 1) return;
+  const Status status = pinned(handle) ? state_.Unpin(handle) : state_.Pin(handle);
+  if (!status.ok()) return;
+  moving_ = true;
+  PlaceHandles();
+}
+
+bool PlayCharacter::GrabSkin(const SkinPoint& point) {
+  ReleaseGrab();
+  const Result<int> grab = state_.Grab(point, kGrabStiffness);
+  if (!grab.ok()) return false;
+  grab_ = *grab;
+  moving_ = true;
+  return true;
+}
+
+void PlayCharacter::MoveGrab(Vec3 target_mesh) {
+  if (grab_ >= 0 && state_.SetGrabTarget(grab_, target_mesh).ok()) moving_ = true;
+}
+
+void PlayCharacter::ReleaseGrab() {
+  if (grab_ < 0) return;
+  (void)state_.Release(grab_);  // it is held
+  grab_ = -1;
+  moving_ = true;
+}
+
 void PlayCharacter::Reset() {
   state_.ResetToRest();
+  grab_ = -1;
   moving_ = true;
   PlaceHandles();
 }
@@ -123,6 +134,7 @@ Result<PointerHit> PlayCharacter::Pick(const PickRay& ray, const HandlePickOptio
   if (const auto surface = picker_.PickSurface(ray)) {
     hit.target = PointerTarget::kSkin;
     hit.point = surface->point;
+    hit.skin = {surface->solve_vertices, surface->barycentrics};
     hit.handle = NearestPoint(surface->point, handle_positions_, pinned_handles());
   }
   return hit;

@@ -17,8 +17,9 @@ namespace limber::viewer {
 // What the pointer is over.
 struct PointerHit {
   PointerTarget target = PointerTarget::kBackground;
-  int handle = -1;  // the dot; on the skin the nearest pinned handle, which a drag moves for it
+  int handle = -1;  // the dot; on the skin the nearest pinned handle
   Vec3 point;       // the dot's middle, or the point of the skin
+  SkinPoint skin;   // that point, where the target is the skin
 };
 
 class PlayCharacter {
@@ -30,12 +31,10 @@ class PlayCharacter {
 
   bool planar() const { return rig().dimension() == 2; }
 
-  // Where the dots are: a pinned handle's target, a free handle's place on the skin. Mesh space.
+  // Where the dots are: a pinned handle's target, another handle's place on the skin. Mesh space.
   std::span<const Vec3> handle_positions() const { return handle_positions_; }
 
-  bool pinned(int handle) const {
-    return rig().tables().handles[static_cast<size_t>(handle)].pinned;
-  }
+  bool pinned(int handle) const { return pinned_[static_cast<size_t>(handle)]; }
 
   // One pinned handle after another, as spans need them (never vector<bool>).
   std::span<const bool> pinned_handles() const {
@@ -44,6 +43,15 @@ class PlayCharacter {
 
   // Moves a pinned handle's target; refused positions and free handles change nothing.
   void MoveHandle(int handle, Vec3 target_mesh);
+  // Pins a handle where it is, or lets it go; the last one that is pinned stays.
+  void TogglePin(int handle);
+
+  // Takes hold of the skin, as with fingers: it follows, but is not torn off. False where the rig
+  // does not allow it (baked in format version 1). One point at a time.
+  bool GrabSkin(const SkinPoint& point);
+  void MoveGrab(Vec3 target_mesh);
+  void ReleaseGrab();
+
   void Reset();
 
   // One solve with warm start. The pose is `moving()` until a solve changes nothing any more.
@@ -72,6 +80,7 @@ class PlayCharacter {
   PoseOptions options_;
   std::vector<Vec3> handle_positions_;
   std::unique_ptr<bool[]> pinned_;
+  int grab_ = -1;
   bool moving_ = true;
   bool skinned_ = false, pickable_ = false;  // up to date with the last Step
 };

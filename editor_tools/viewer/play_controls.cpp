@@ -102,7 +102,11 @@ void PlayControls::PointerMoved(float x, float y) {
     case PointerAction::kMoveHandle:
     case PointerAction::kMoveSkin:
       if (const std::optional<Vec3> position = drag_->PositionAt(PointerRay())) {
-        character_->MoveHandle(grabbed_, *position);
+        if (skin_grabbed_) {
+          character_->MoveGrab(*position);
+        } else {
+          character_->MoveHandle(grabbed_, *position);
+        }
       }
       changed_ = true;
       break;
@@ -136,6 +140,12 @@ Status PlayControls::ButtonPressed(PointerButton button, bool alt, bool shift) {
 
 void PlayControls::BeginMove(const PointerHit& hit) {
   drag_.reset();
+  if (action_ == PointerAction::kMoveSkin && character_->GrabSkin(hit.skin)) {
+    skin_grabbed_ = true;
+    drag_ = ViewPlaneDrag::Begin(PointerRay(), hit.point, hit.point, CameraForward());
+    if (!drag_) ButtonReleased(button_);
+    return;
+  }
   if (hit.handle >= 0 && character_->pinned(hit.handle)) {
     const Vec3 target = character_->handle_positions()[static_cast<size_t>(hit.handle)];
     drag_ = ViewPlaneDrag::Begin(PointerRay(), hit.point, target, CameraForward());
@@ -151,6 +161,8 @@ void PlayControls::ButtonReleased(PointerButton button) {
   if (action_ == PointerAction::kNone || button != button_) return;
   action_ = PointerAction::kNone;
   grabbed_ = -1;
+  if (skin_grabbed_) character_->ReleaseGrab();
+  skin_grabbed_ = false;
   drag_.reset();
   changed_ = true;
 }
@@ -172,6 +184,9 @@ Status PlayControls::KeyPressed(PlayKey key) {
       return FramePose();
     case PlayKey::kToggleDots:
       dots_shown_ = !dots_shown_;
+      return {};
+    case PlayKey::kTogglePin:
+      if (hovered_ >= 0) character_->TogglePin(hovered_);
       return {};
   }
   return {};

@@ -15,7 +15,7 @@ namespace limber::viewer {
 // which grows with the picture.
 float DotReachPixels(float picture_height);
 
-enum class PlayKey { kReset, kFrame, kToggleDots };
+enum class PlayKey { kReset, kFrame, kToggleDots, kTogglePin };
 
 class PlayControls {
  public:
@@ -68,6 +68,7 @@ class PlayControls {
   PointerButton button_ = PointerButton::kLeft;  // that holds the action
   std::optional<ViewPlaneDrag> drag_;
   int hovered_ = -1, grabbed_ = -1, selected_ = -1;
+  bool skin_grabbed_ = false;  // the drag holds the skin itself
   bool dots_shown_ = true;
   bool changed_ = true;
 };

@@ -40,6 +40,8 @@ std::optional<PlayKey> KeyOf(int glfw_key) {
       return PlayKey::kFrame;
     case GLFW_KEY_H:
       return PlayKey::kToggleDots;
+    case GLFW_KEY_P:
+      return PlayKey::kTogglePin;
     default:
       return std::nullopt;
   }

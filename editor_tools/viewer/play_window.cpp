@@ -16,8 +16,7 @@ namespace limber::viewer {
 const char kPlayHelp[] =
     "In the window:\n"
     "  left drag on a dot         moves the handle in the plane of the picture\n"
-    "  left drag on the skin      moves the nearest pinned handle by as much as the pointer moves\n"
-    "                             (the solver knows targets of handles only)\n"
+    "  left drag on the skin      pulls the skin there, until the button is let go\n"
     "  left drag elsewhere        orbits; so does right drag, or Alt and left drag, anywhere\n"
     "  middle drag                pans; so does Shift and right drag\n"
     "  scroll                     zooms\n"
@@ -26,6 +25,7 @@ const char kPlayHelp[] =
     "  R                          back to the rest pose\n"
     "  F                          the whole character into the picture\n"
     "  H                          hides and shows the dots\n"
+    "  P over a dot               pins the handle where it is, or lets it go\n"
     "  Esc                        closes the window\n"
     "A planar character is seen face on and is panned instead of orbited.\n";
 

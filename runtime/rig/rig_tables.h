@@ -70,6 +70,8 @@ struct RigTables {
   std::vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]: phi_0 | Phi_1 of theirs
   std::vector<float> single_edges;          // [S][G][k][r1]
   std::vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
+  std::vector<float> handle_reach;          // [H][H]: longest path over the surface between handles in any
+                                            // example, rig units; 0: no path
 
   int num_handles() const { return static_cast<int>(handles.size()); }
 

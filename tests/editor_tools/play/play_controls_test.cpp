@@ -93,8 +93,76 @@ TEST_F(PlayControlsTest, DraggedDot_TheSkinComesAlong) {
   EXPECT_LT(Distance((*skin)[vertex], Position(top)), 1e-4f * character_->rig().diagonal());
 }
 
-TEST_F(PlayControlsTest, DraggedSkin_MovesTheNearestPinnedHandleAsFar) {
+TEST_F(PlayControlsTest, DraggedSkin_FollowsThePointerAndSpringsBack) {
   Load(test::BakeCylinder());
+  ASSERT_TRUE(controls_->KeyPressed(PlayKey::kToggleDots).ok());
+  const Vec3 top = Position(Handle("top")), bottom = Position(Handle("bottom"));
+  const auto vertex_under = [&](float x, float y) {
+    const Result<std::span<const Vec3>> skin = character_->SolvePositions();
+    size_t nearest = 0;
+    float least = 1e9f;
+    for (size_t v = 0; v < skin->size(); ++v) {
+      const std::array<float, 3> at = OnScreen((*skin)[v]);
+      const float off = std::hypot(at[0] - x, at[1] - y) + 1000 * at[2];  // the front one
+      if (off < least) {
+        least = off;
+        nearest = v;
+      }
+    }
+    return nearest;
+  };
+  const std::array<float, 3> skin = OnScreen({0, 1.2f, 0});
+  const size_t vertex = vertex_under(skin[0], skin[1]);
+  const Vec3 rest = (*character_->SolvePositions())[vertex];
+  const std::array<float, 3> before = OnScreen(rest);
+  Press(skin[0], skin[1]);
+  EXPECT_EQ(controls_->action(), PointerAction::kMoveSkin);
+  EXPECT_EQ(controls_->grabbed_handle(), -1);
+  for (int i = 1; i <= 20; ++i) {
+    controls_->PointerMoved(skin[0] + 3.0f * static_cast<float>(i), skin[1]);
+    ASSERT_TRUE(character_->Step().ok());
+  }
+  Settle();
+  const std::array<float, 3> after = OnScreen((*character_->SolvePositions())[vertex]);
+  EXPECT_NEAR(after[0] - before[0], 60, 15);
+  EXPECT_NEAR(after[1] - before[1], 0, 15);
+  EXPECT_EQ(Position(Handle("top")), top) << "handles stay where they are";
+  EXPECT_EQ(Position(Handle("bottom")), bottom);
+  controls_->ButtonReleased(PointerButton::kLeft);
+  Settle();
+  Settle();
+  EXPECT_LT(Distance((*character_->SolvePositions())[vertex], rest),
+            0.02f * character_->rig().diagonal());
+}
+
+TEST_F(PlayControlsTest, P_LetsAHandleGoAndPinsItWhereItIs) {
+  Load(test::BakeCylinder());
+  const int top = Handle("top"), bottom = Handle("bottom");
+  const auto press_over = [&](int handle) {
+    const std::array<float, 3> dot = OnScreen(Position(handle));
+    controls_->PointerMoved(dot[0], dot[1]);
+    ASSERT_TRUE(controls_->UpdateHover().ok());
+    ASSERT_TRUE(controls_->KeyPressed(PlayKey::kTogglePin).ok());
+    Settle();
+  };
+  press_over(top);
+  EXPECT_FALSE(character_->pinned(top));
+  press_over(bottom);
+  EXPECT_TRUE(character_->pinned(bottom)) << "the last one stays";
+  character_->MoveHandle(bottom, {0.5f, 0, 0});
+  Settle();
+  const Vec3 along = Position(top);
+  EXPECT_NEAR(along.x, 0.5f, 0.05f) << "the character hangs on one point";
+  press_over(top);
+  EXPECT_TRUE(character_->pinned(top));
+  EXPECT_LT(Distance(Position(top), along), 1e-4f);
+  ASSERT_TRUE(controls_->KeyPressed(PlayKey::kReset).ok());
+  EXPECT_TRUE(character_->pinned(top) && character_->pinned(bottom));
+}
+
+// A character baked in format version 1, whose skin cannot be held.
+TEST_F(PlayControlsTest, DraggedSkinOfAnOldBake_MovesTheNearestPinnedHandleAsFar) {
+  Load(test::BakeCylinderOfVersion1());
   ASSERT_TRUE(controls_->KeyPressed(PlayKey::kToggleDots).ok());
   const int top = Handle("top");
   const Vec3 target = Position(top);

@@ -31,6 +31,14 @@ std::shared_ptr<const Rig> BakeCylinder() {
   return BakeInCode(MakeBendCylinder(24, 40));
 }
 
+std::shared_ptr<const Rig> BakeCylinderOfVersion1() {
+  const bake::RawCharacter raw = MakeBendCylinder(24, 40);
+  bake::BakedCharacter baked = OrDie(bake::Bake(raw, raw.marked_handles, {}, {}));
+  baked.tables.single_mode_transforms.clear();
+  baked.tables.handle_reach.clear();
+  return OrDie(Rig::Create(raw.name, std::move(baked.tables), std::move(baked.mesh)));
+}
+
 std::shared_ptr<const Rig> BakeSquare() {
   return BakeInCode(MakeStretchSquare(16));
 }
