@@ -165,12 +165,13 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
                  model->rig->name().c_str());
   }
   PoseReport result;
+  StageTimes* const stages = options.measure_stages ? &result.stages : nullptr;
   std::visit(
       [&](auto& unknowns) {
         while (result.iterations < options.iterations && !result.settled) {
           const auto outcome =
               unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations,
-                                    options.square_roots, options.varying_blend});
+                                    options.square_roots, options.varying_blend, stages});
           ++result.iterations;
           result.change = outcome.change;
           result.optimality = outcome.convex.violation;
@@ -189,7 +190,9 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
                                              : scale * scale * (elastic + nearness);
       },
       alternation);
+  StageWatch watch(stages);
   UpdateMatrices();
+  watch.Lap(&StageTimes::transforms);
   if (report != nullptr) *report = result;
   return {};
 }

@@ -11,6 +11,7 @@
 #include "core/vec3.h"
 #include "rig/rig.h"
 #include "skin/skin_transforms.h"
+#include "solve/stage_times.h"
 
 #include <memory>
 #include <span>
@@ -29,6 +30,7 @@ struct PoseOptions {
   bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
+  bool measure_stages = false;  // fill PoseReport::stages; the results are the same
 };
 
 struct PoseReport {
@@ -41,6 +43,7 @@ struct PoseReport {
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
   bool optimal = true;    // the convex step reached its optimum (optimality is zero)
   int used_weights = 0;   // blend weights that the convex step worked with, of G*S
+  StageTimes stages;      // where measure_stages asks for it, else zero
 };
 
 class PoseState {

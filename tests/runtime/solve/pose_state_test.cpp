@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <chrono>
 #include <limits>
 
 namespace limber {
@@ -89,6 +91,32 @@ TEST_F(PoseStateTest, ToleranceZero_RunsAllIterations) {
   ASSERT_TRUE(state.Solve(options, &report).ok());
   EXPECT_EQ(report.iterations, 7);
   EXPECT_FALSE(report.settled);
+}
+
+// Bits are the same, every stage was seen, and the sum is no more than the call took. Off, nothing
+// is filled in.
+TEST_F(PoseStateTest, MeasureStages_FillsThemAndChangesNothing) {
+  PoseState plain = MakeState(), measured = MakeState();
+  PoseOptions options, measuring;
+  options.iterations = measuring.iterations = 50;
+  measuring.measure_stages = true;
+  PoseReport off, on;
+  ASSERT_TRUE(plain.SetTarget(top_, {0.5f, 1.6f, 0.1f}).ok());
+  ASSERT_TRUE(measured.SetTarget(top_, {0.5f, 1.6f, 0.1f}).ok());
+  ASSERT_TRUE(plain.Solve(options, &off).ok());
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_TRUE(measured.Solve(measuring, &on).ok());
+  const double whole =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_TRUE(std::ranges::equal(plain.transforms().matrices, measured.transforms().matrices));
+  EXPECT_EQ(on.energy, off.energy);
+  for (double StageTimes::*stage : {&StageTimes::rotations, &StageTimes::nearness,
+                                    &StageTimes::blend, &StageTimes::transforms}) {
+    EXPECT_GT(on.stages.*stage, 0);
+    EXPECT_EQ(off.stages.*stage, 0);
+  }
+  EXPECT_LE(on.stages.rotations + on.stages.nearness + on.stages.blend + on.stages.transforms,
+            whole);
 }
 
 TEST_F(PoseStateTest, Solve_RefusesOptionsOutOfRange) {
