@@ -9,6 +9,10 @@
 #include <chrono>
 #include <limits>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace limber {
 namespace {
 
@@ -91,6 +95,23 @@ TEST_F(PoseStateTest, ToleranceZero_RunsAllIterations) {
   ASSERT_TRUE(state.Solve(options, &report).ok());
   EXPECT_EQ(report.iterations, 7);
   EXPECT_FALSE(report.settled);
+}
+
+// Against what the allocator handed out.
+TEST_F(PoseStateTest, ModelBytes_AreWhatItHolds) {
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+  const auto held = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  rig_ = test::BakeInMemory(test::MakeBendCylinder(24, 24));
+  ASSERT_NE(rig_, nullptr);
+  const double before = held();
+  const auto model = PoseModel::Create(rig_).value();
+  EXPECT_NEAR(static_cast<double>(model->bytes()), held() - before, 0.02 * (held() - before));
+#else
+  GTEST_SKIP() << "this build's allocator does not say what it handed out";
+#endif
 }
 
 // Bits are the same, every stage was seen, and the sum is no more than the call took. Off, nothing
