@@ -268,6 +268,7 @@ template <int K>
 typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
                                                      const Settings& settings) {
   Outcome outcome;
+  StageWatch watch(settings.stages);
   settings_ = settings;
   UpdateGoal();
   if (settings.rotations) {
@@ -276,15 +277,19 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
     HoldRotationsAtIdentity();
   }
   RotateLoads(model);
+  watch.Lap(&StageTimes::rotations);
   if (model.num_shapes > 1) {
     nearness_step_.Run(model, *pins_, targets.data(), !settings.rotations);
+    watch.Lap(&StageTimes::nearness);
     last_blend_ = blend_;
     outcome.convex = SolveConvexStep(model);
     for (size_t i = 0; i < blend_.size(); ++i)
       outcome.change = std::max(outcome.change, std::abs(blend_[i] - last_blend_[i]));
+    watch.Lap(&StageTimes::blend);
   }
   UpdateResidual(model);
   UpdateProduct(model);
+  watch.Lap(&StageTimes::rotations);
   return outcome;
 }
 

@@ -12,6 +12,7 @@
 #include "solve/blend_weight_step.h"
 #include "solve/nearness_step.h"
 #include "solve/pose_model.h"
+#include "solve/stage_times.h"
 
 #include <Eigen/Core>
 
@@ -63,6 +64,7 @@ class Alternation {
     bool rotations = true;
     bool square_roots = true;
     bool varying_blend = true;
+    StageTimes* stages = nullptr;  // null: not measured; else added to
   };
 
   struct Outcome {

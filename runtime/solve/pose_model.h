@@ -48,6 +48,9 @@ class PoseModel {
 
   size_t single_stride() const { return PaddedSize(single_size()); }
 
+  // Memory that the tables below and the pins take; the rig's own is not counted.
+  size_t bytes() const;
+
   // F^T F: planes of block j's column, rows over all blocks; of a folded rig (without rotations)
   // one number a block.
   const double* GramColumn(int block) const {

@@ -121,6 +121,7 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
   PoseReport result;
   bool pins_changed = false;
   const PinSet& pins = held.Pins(*model, &pins_changed);
+  StageTimes* const stages = options.measure_stages ? &result.stages : nullptr;
   std::visit(
       [&](auto& unknowns) {
         if (pins_changed) unknowns.UsePins(*model, pins);
@@ -128,7 +129,7 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
         while (result.iterations < options.iterations && !result.settled) {
           const auto outcome =
               unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations,
-                                    options.square_roots, options.varying_blend});
+                                    options.square_roots, options.varying_blend, stages});
           ++result.iterations;
           result.change = outcome.change;
           result.optimality = outcome.convex.violation;
@@ -147,7 +148,9 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
                                              : scale * scale * (elastic + nearness);
       },
       alternation);
+  StageWatch watch(stages);
   UpdateMatrices();
+  watch.Lap(&StageTimes::transforms);
   if (report != nullptr) *report = result;
   return {};
 }

@@ -13,6 +13,7 @@
 #include "rig/rig.h"
 #include "rig/skin_point.h"
 #include "skin/skin_transforms.h"
+#include "solve/stage_times.h"
 
 #include <limits>
 #include <memory>
@@ -32,6 +33,7 @@ struct PoseOptions {
   bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
+  bool measure_stages = false;  // fill PoseReport::stages; the results are the same
 };
 
 struct PoseReport {
@@ -44,6 +46,7 @@ struct PoseReport {
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
   bool optimal = true;    // the convex step reached its optimum (optimality is zero)
   int used_weights = 0;   // blend weights that the convex step worked with, of G*S
+  StageTimes stages;      // where measure_stages asks for it, else zero
 };
 
 // Room that a state is created with: how many points of the skin may be grabbed at once, and how

@@ -18,7 +18,7 @@ std::vector<std::vector<Vec3>> DeformedSurfaces(const std::shared_ptr<const Rig>
   ExitUnless(skinner.status());
   std::vector<std::vector<Vec3>> surfaces;
   for (const std::vector<Vec3>& targets : DragPath(*rig, 16)) {
-    SetTargets(targets, &*pose);
+    ExitUnless(SetTargets(targets, &*pose));
     ExitUnless(pose->Solve({}, nullptr));
     ExitUnless(skinner->SkinPositionsOnly(pose->transforms()));
     const auto positions = skinner->result().solve_positions;

@@ -18,7 +18,7 @@ class PosedCharacter {
  public:
   PosedCharacter() : rig_(BakedCharacter(kSize)), pose_(PoseState::Create(rig_)) {
     ExitUnless(pose_.status());
-    SetTargets(DragPath(*rig_, 10)[3], &*pose_);
+    ExitUnless(SetTargets(DragPath(*rig_, 10)[3], &*pose_));
     PoseOptions options;
     options.iterations = 10;
     ExitUnless(pose_->Solve(options, nullptr));

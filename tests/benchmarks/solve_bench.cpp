@@ -35,7 +35,7 @@ void Alternate(benchmark::State& state, const CharacterSize& size) {
   PoseState pose = CreatePose(rig);
   size_t frame = 0;
   for (auto _ : state) {
-    SetTargets(path[frame++ % path.size()], &pose);
+    ExitUnless(SetTargets(path[frame++ % path.size()], &pose));
     ExitUnless(pose.Solve({}, nullptr));
   }
   state.counters["modes"] = rig->tables().num_modes;
@@ -51,7 +51,7 @@ void Frame(benchmark::State& state, const CharacterSize& size) {
   ExitUnless(skinner.status());
   size_t frame = 0;
   for (auto _ : state) {
-    SetTargets(path[frame++ % path.size()], &pose);
+    ExitUnless(SetTargets(path[frame++ % path.size()], &pose));
     ExitUnless(pose.Solve({}, nullptr));
     ExitUnless(skinner->Skin(pose.transforms()));
     benchmark::DoNotOptimize(skinner->result().positions.data());

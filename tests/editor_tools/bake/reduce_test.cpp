@@ -3,12 +3,12 @@
 
 #include "bake/edge_groups.h"
 #include "bake/rig_space.h"
+#include "bench/smooth_weights.h"
 #include "core/rotation_fit.h"
 #include "deform/example_arap/full_energy.h"
 #include "deform/example_arap/paper_tensors.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
-#include "support/smooth_weights.h"
 #include "support/test_meshes.h"
 
 #include <Eigen/Geometry>
@@ -45,7 +45,7 @@ Reduced MakeReduced(const RawCharacter& raw, bool rotations) {
     r.tables.handles.push_back(handle);
     r.handle_vertices.push_back(static_cast<int>(handle.vertex));
   }
-  r.weights = test::SmoothWeights(r.mesh.shapes[0], r.handle_vertices);
+  r.weights = bench::SmoothWeights(r.mesh.shapes[0], r.handle_vertices);
   ReduceInput input;
   r.edges = BuildGroupEdges(r.mesh, ClusterVertices(r.weights, 6, &input.num_groups));
   input.mesh = &r.mesh;

@@ -30,8 +30,9 @@ const std::map<std::string, Names> kToolRooms = {
     {"import", {"geometry"}},
     {"bake", {"geometry", "import"}},
     {"deform", {"geometry"}},
+    {"bench", {"geometry", "import", "bake"}},
     {"viewer", {}},
-    {"cli", {"geometry", "import", "bake", "deform", "viewer"}},
+    {"cli", {"geometry", "import", "bake", "deform", "bench", "viewer"}},
 };
 
 bool Matches(const std::string& text, const char* pattern) {

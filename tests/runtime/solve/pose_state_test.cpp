@@ -5,7 +5,13 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <chrono>
 #include <limits>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace limber {
 namespace {
@@ -89,6 +95,51 @@ TEST_F(PoseStateTest, ToleranceZero_RunsAllIterations) {
   ASSERT_TRUE(state.Solve(options, &report).ok());
   EXPECT_EQ(report.iterations, 7);
   EXPECT_FALSE(report.settled);
+}
+
+// Against what the allocator handed out.
+TEST_F(PoseStateTest, ModelBytes_AreWhatItHolds) {
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+  const auto held = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  bake::BakeOptions options;
+  options.num_groups = 64;  // large, beside what an allocation costs on top
+  rig_ = test::BakeInMemory(test::MakeBendCylinder(24, 24), options);
+  ASSERT_NE(rig_, nullptr);
+  const double before = held();
+  const auto model = PoseModel::Create(rig_).value();
+  EXPECT_NEAR(static_cast<double>(model->bytes()), held() - before, 0.02 * (held() - before));
+#else
+  GTEST_SKIP() << "this build's allocator does not say what it handed out";
+#endif
+}
+
+// Bits are the same, every stage was seen, and the sum is no more than the call took. Off, nothing
+// is filled in.
+TEST_F(PoseStateTest, MeasureStages_FillsThemAndChangesNothing) {
+  PoseState plain = MakeState(), measured = MakeState();
+  PoseOptions options, measuring;
+  options.iterations = measuring.iterations = 50;
+  measuring.measure_stages = true;
+  PoseReport off, on;
+  ASSERT_TRUE(plain.SetTarget(top_, {0.5f, 1.6f, 0.1f}).ok());
+  ASSERT_TRUE(measured.SetTarget(top_, {0.5f, 1.6f, 0.1f}).ok());
+  ASSERT_TRUE(plain.Solve(options, &off).ok());
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_TRUE(measured.Solve(measuring, &on).ok());
+  const double whole =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_TRUE(std::ranges::equal(plain.transforms().matrices, measured.transforms().matrices));
+  EXPECT_EQ(on.energy, off.energy);
+  for (double StageTimes::*stage : {&StageTimes::rotations, &StageTimes::nearness,
+                                    &StageTimes::blend, &StageTimes::transforms}) {
+    EXPECT_GT(on.stages.*stage, 0);
+    EXPECT_EQ(off.stages.*stage, 0);
+  }
+  EXPECT_LE(on.stages.rotations + on.stages.nearness + on.stages.blend + on.stages.transforms,
+            whole);
 }
 
 TEST_F(PoseStateTest, Solve_RefusesOptionsOutOfRange) {

@@ -1,12 +1,13 @@
-// Skinning weights for tests of what comes after them: smooth, a partition of unity, exactly one
-// at their own vertex; they owe nothing to the weights of the bake.
+// Skinning weights that cost nothing: smooth, a partition of unity, exactly one at their own
+// vertex; they owe nothing to the weights of the bake.
 #pragma once
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <vector>
 
-namespace limber::test {
+namespace limber::bench {
 
 // V x H: 1 / (distance^4 to the handle's vertex), normalised over handles.
 inline Eigen::MatrixXd SmoothWeights(const Eigen::MatrixXd& points,
@@ -27,4 +28,4 @@ inline Eigen::MatrixXd SmoothWeights(const Eigen::MatrixXd& points,
   return weights;
 }
 
-}  // namespace limber::test
+}  // namespace limber::bench
