@@ -36,4 +36,10 @@ class CacheLineAllocator {
 template <class Number>
 using AlignedVector = std::vector<Number, CacheLineAllocator<Number>>;
 
+// What the elements of some vectors take.
+template <class... Vectors>
+std::size_t BytesOf(const Vectors&... vectors) {
+  return ((vectors.size() * sizeof(*vectors.data())) + ... + 0);
+}
+
 }  // namespace limber

@@ -1,5 +1,7 @@
 #include "solve/constraint_system.h"
 
+#include "core/aligned_vector.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Jacobi>
 
@@ -43,6 +45,11 @@ ConstraintSystem::ConstraintSystem(size_t max_rows, size_t num_modes)
       reduced_(response_),
       factor_(response_),
       reduced_root_(response_) {}
+
+size_t ConstraintSystem::bytes() const {
+  return BytesOf(modes_, response_, root_, translation_, gram_, reflector_, reduced_, factor_,
+                 reduced_root_);
+}
 
 void ConstraintSystem::Compute(std::span<const ConstraintRow> rows) {
   size_ = rows.size();

@@ -31,6 +31,8 @@ class ConstraintSystem {
 
   ConstraintSystem(size_t max_rows, size_t num_modes);
 
+  size_t bytes() const;  // held in tables
+
   // rows: 1 to max_rows, one of them at least a point of the skin.
   void Compute(std::span<const ConstraintRow> rows);
 

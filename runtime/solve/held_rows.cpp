@@ -82,6 +82,10 @@ HeldRowTable::HeldRowTable(const Rig& rig, size_t capacity)
       turns_(static_cast<size_t>(rig.num_shapes()) * static_cast<size_t>(rig.dimension()) *
              static_cast<size_t>(rig.dimension())) {}
 
+size_t HeldRowTable::bytes() const {
+  return BytesOf(translations_, modes_, loads_, response_, single_, coefficients_, turns_);
+}
+
 HeldRow HeldRowTable::row(size_t at) const {
   return {translations_[at], modes_.data() + at * num_modes_, loads_.data() + at * num_loads_,
           response_.data() + at * num_transforms_, single_.data() + at * single_size_};

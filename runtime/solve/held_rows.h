@@ -31,6 +31,8 @@ class HeldRowTable {
 
   size_t capacity() const { return translations_.size(); }
 
+  size_t bytes() const;  // held in tables
+
   HeldRow row(size_t at) const;
 
   // Each costs r (n + G S k) multiply-adds, tens of microseconds for a few handles and shapes;

@@ -33,6 +33,11 @@ PinSet::PinSet(const Rig& rig, size_t max_rows)
   rows_.resize(max_rows);
 }
 
+size_t PinSet::bytes() const {
+  return BytesOf(loads, shifts, transforms, rows_, single_modes_, single_response_) +
+         system.bytes() + single_system_.bytes();
+}
+
 void PinSet::Build(const Rig& rig, std::span<const Hold> holds) {
   for (size_t i = 0; i < holds.size(); ++i)
     rows_[i] = {holds[i].row.modes, holds[i].row.translation, holds[i].compliance};

@@ -28,6 +28,8 @@ class PinSet {
 
   size_t capacity() const { return holds_capacity_; }
 
+  size_t bytes() const;  // held in tables
+
   size_t size() const { return system.size(); }  // c
 
   size_t rank() const { return system.rank(); }  // q

@@ -193,17 +193,9 @@ void LayOutTables(PoseModel* model) {
 }  // namespace
 
 size_t PoseModel::bytes() const {
-  const auto bytes_of = [](const auto&... tables) {
-    return ((static_cast<size_t>(tables.size()) * sizeof(*tables.data())) + ...);
-  };
-  size_t sum = bytes_of(gram, near, transform_response, single_edges_by_mode, single_edges_by_group,
-                        single_factors, single_edge_norms, pin_of_handle);
-  const ConstraintSystem& system = pins->system;
-  sum += bytes_of(pins->handles, pins->loads, pins->shifts, pins->transforms, pins->single_modes,
-                  system.modes, system.response, system.root, system.translation);
-  for (const Eigen::MatrixXd& response : pins->single_response)
-    sum += bytes_of(response);
-  return sum;
+  return BytesOf(gram, near, transform_response, single_edges_by_mode, single_edges_by_group,
+                 single_factors, single_edge_norms, pin_of_handle, pinned_handles) +
+         pins->bytes() + handle_rows->bytes();
 }
 
 Result<std::shared_ptr<const PoseModel>> PoseModel::Build(std::shared_ptr<const Rig> rig) {
