@@ -54,6 +54,7 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
   const Eigen::Index r1 = input.weights->cols() * (k + 1) - 1;
   tables->num_single_modes = static_cast<int32_t>(r1);
   tables->single_handle_modes.clear();
+  tables->single_mode_transforms.clear();
   tables->single_edges.clear();
   tables->single_group_factors.clear();
   for (size_t s = 0; s < input.shapes->size(); ++s) {
@@ -62,6 +63,13 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
     if (!basis.ok()) return basis.status();
     Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
     modes.leftCols(basis->shapes.cols()) = basis->shapes;
+    for (Eigen::Index row = 0; row < basis->transforms.rows(); ++row) {
+      tables->single_mode_transforms.push_back(row % (k + 1) == k ? 1.0f : 0.0f);
+      for (Eigen::Index mode = 0; mode < r1; ++mode)
+        tables->single_mode_transforms.push_back(
+            mode < basis->transforms.cols() ? static_cast<float>(basis->transforms(row, mode))
+                                            : 0.0f);
+    }
     for (int vertex : *input.handle_vertices) {
       tables->single_handle_modes.push_back(1);
       for (Eigen::Index mode = 0; mode < r1; ++mode) {

@@ -52,7 +52,7 @@ void UniformColumns<K>::Column(int shape, double* column) {
 }
 
 template <int K>
-Alternation<K>::Alternation(const PoseModel& model, size_t max_pins)
+Alternation<K>::Alternation(const PoseModel& model, size_t max_pins, size_t max_turns)
     : targets(std::max(max_pins, model.pins->capacity()) * K),
       kernels_(ChooseSolveKernels<K>()),
       pins_(model.pins.get()),
@@ -76,7 +76,8 @@ Alternation<K>::Alternation(const PoseModel& model, size_t max_pins)
       uniform_blend_(PaddedSize(static_cast<size_t>(model.num_shapes))),
       uniform_nearness_(uniform_blend_),
       uniform_rows_(goal_.size() * uniform_blend_.size()),
-      nearness_step_(model, max_pins) {}
+      nearness_step_(model, max_pins),
+      patch_turns_(max_turns, blend_.size()) {}
 
 template <int K>
 typename Alternation<K>::Rotation Alternation<K>::rotation(int block) const {
@@ -114,9 +115,13 @@ void Alternation<K>::UsePins(const PoseModel& model, const PinSet& pins) {
   RotateLoads(model);
 }
 
-// L^T X.
+// L^T X, less what X depends on B, which is in the rows.
 template <int K>
 void Alternation<K>::UpdateGoal() {
+  for (const TurnedPatch& turn : pins_->turns) {
+    const auto first = targets.begin() + static_cast<ptrdiff_t>(turn.first_row * K);
+    std::fill_n(first, turn.patch.count * K, 0.0);
+  }
   const PinSet& pins = *pins_;
   for (size_t p = 0; p < pins.rank(); ++p) {
     const auto root = pins.system.root().col(static_cast<Eigen::Index>(p));
@@ -133,6 +138,8 @@ template <int K>
 void Alternation<K>::RotateLoads(const PoseModel& model) {
   kernels_.rotate_loads(pins_->loads.data(), rotations_.data(), pins_->rank(), model.chunks(),
                         rows_.data());
+  patch_turns_.RotateLoads(kernels_, *pins_, rotations_.data());
+  patch_turns_.TakeFromRows(kernels_, *pins_, blend_.data(), rows_.data());
 }
 
 // e = L^T X - sum_j B_j L^T V_j^T R_j^T.
@@ -270,6 +277,7 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   Outcome outcome;
   StageWatch watch(settings.stages);
   settings_ = settings;
+  if (!pins_->turns.empty()) RotateLoads(model);  // towards the present targets
   UpdateGoal();
   if (settings.rotations) {
     outcome.change = FitRotations(model);
@@ -279,7 +287,8 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   RotateLoads(model);
   watch.Lap(&StageTimes::rotations);
   if (model.num_shapes > 1) {
-    nearness_step_.Run(model, *pins_, targets.data(), !settings.rotations);
+    nearness_step_.Run(model, *pins_, targets.data(), !settings.rotations,
+                       patch_turns_.targets.data());
     watch.Lap(&StageTimes::nearness);
     last_blend_ = blend_;
     outcome.convex = SolveConvexStep(model);
@@ -335,6 +344,7 @@ const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) 
   const size_t chunks = model.row_chunks();
   std::fill(transforms_.begin(), transforms_.end(), 0.0);
   std::fill(pin_values_.begin(), pin_values_.end(), 0.0);
+  patch_turns_.StorePositions(kernels_, pins, blend_.data(), targets.data());
   for (size_t pin = 0; pin < pins.size(); ++pin) {
     for (size_t c = 0; c < K; ++c) {
       pin_values_[c] +=

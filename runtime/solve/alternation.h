@@ -11,6 +11,7 @@
 #include "core/aligned_vector.h"
 #include "solve/blend_weight_step.h"
 #include "solve/nearness_step.h"
+#include "solve/patch_turns.h"
 #include "solve/pose_model.h"
 #include "solve/stage_times.h"
 
@@ -74,7 +75,7 @@ class Alternation {
 
   // max_pins: rows of the largest pin set that UsePins will see, where larger than the model's own.
   // Begins with that.
-  explicit Alternation(const PoseModel& model, size_t max_pins = 0);
+  explicit Alternation(const PoseModel& model, size_t max_pins = 0, size_t max_turns = 0);
 
   // What is held from now on; the targets are to be set anew. Outlives its use here.
   void UsePins(const PoseModel& model, const PinSet& pins);
@@ -96,6 +97,9 @@ class Alternation {
   const AlignedVector<double>& Transforms(const PoseModel& model);
 
   AlignedVector<double> targets;  // X, [c][K], rig space, in the pin set's order
+
+  // Of the patches that are turned, as PatchTurns::targets.
+  AlignedVector<double>& turn_targets() { return patch_turns_.targets; }
 
   const AlignedVector<double>& blend() const { return blend_; }
 
@@ -134,6 +138,7 @@ class Alternation {
   BlendWeightStep uniform_step_;  // one blend for all groups
   AlignedVector<double> uniform_blend_, uniform_nearness_, uniform_rows_;
   NearnessStep<K> nearness_step_;
+  PatchTurns<K> patch_turns_;
 };
 
 extern template class Alternation<2>;

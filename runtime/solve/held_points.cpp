@@ -2,6 +2,8 @@
 
 #include "core/rotation_fit.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -71,25 +73,21 @@ double Compliance(float stiffness) {
   return stiffness == kHeldExactly ? 0 : 1 / static_cast<double>(stiffness);
 }
 
-// The rotation in rig space; in the plane its part about the plane's normal.
-std::array<double, 9> TurnedAxes(const Rig& rig, Quaternion q) {
-  const double x = static_cast<double>(q.x), y = static_cast<double>(q.y),
-               z = static_cast<double>(q.z), w = static_cast<double>(q.w);
-  const double s = 2 / (x * x + y * y + z * z + w * w);
-  Eigen::Matrix3d turn;
-  turn << 1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w), s * (x * y + z * w),
-      1 - s * (x * x + z * z), s * (y * z - x * w), s * (x * z - y * w), s * (y * z + x * w),
-      1 - s * (x * x + y * y);
+// In rig space, k x k row-major; in the plane the part about the plane's normal.
+std::array<double, 9> RotationInRig(const Rig& rig, Quaternion q) {
+  const Eigen::Quaterniond turn(static_cast<double>(q.w), static_cast<double>(q.x),
+                                static_cast<double>(q.y), static_cast<double>(q.z));
   const Eigen::Matrix3d basis =
       Eigen::Map<const Eigen::Matrix3f>(rig.tables().space.basis.data()).cast<double>();
-  Eigen::Matrix3d local = basis.transpose() * turn * basis;
+  const Eigen::Matrix3d local = basis.transpose() * turn.normalized().toRotationMatrix() * basis;
+  std::array<double, 9> rotation = {};
   if (rig.dimension() == 2) {
     const Eigen::Matrix2d flat = FitRotation<2>(local.topLeftCorner<2, 2>().transpose());
-    local.topLeftCorner<2, 2>() = flat;
+    Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>{rotation.data()} = flat;
+  } else {
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{rotation.data()} = local;
   }
-  std::array<double, 9> axes;
-  Eigen::Map<Eigen::Matrix3d>(axes.data()) = kAxisLength * local;
-  return axes;
+  return rotation;
 }
 
 Status NoSuchGrab(const Rig& rig, int grab) {
@@ -105,9 +103,10 @@ HeldPoints::HeldPoints(const PoseModel& model, int grabs, int rotations)
       turns_(static_cast<size_t>(rotations)),
       grabs_(static_cast<size_t>(grabs)),
       extra_rows_(*model.rig, turns_.size() * dimension_ + grabs_.size()),
-      own_pins_(*model.rig, handles_.size() + extra_rows_.capacity()),
+      own_pins_(*model.rig, handles_.size() + extra_rows_.capacity(), turns_.size()),
       pins_(model.pins.get()) {
   holds_.reserve(own_pins_.capacity());
+  turned_.reserve(turns_.size());
   Reset(model);
 }
 
@@ -201,13 +200,14 @@ Status HeldPoints::SetRotation(const Rig& rig, int handle, Quaternion rotation, 
                    "state with room for more",
                    rig.name().c_str(), NameOf(rig, handle), turns_.size());
     }
-    extra_rows_.FillAxes(rig, turn_row(static_cast<size_t>(turn - turns_.begin())), handle);
+    turn->patch =
+        extra_rows_.FillAxes(rig, turn_row(static_cast<size_t>(turn - turns_.begin())), handle);
     turn->handle = handle;
     is_changed_ = true;
   }
   is_changed_ |= turn->compliance != Compliance(stiffness);
   turn->compliance = Compliance(stiffness);
-  turn->axes = TurnedAxes(rig, rotation);
+  turn->rotation = RotationInRig(rig, rotation);
   return {};
 }
 
@@ -294,19 +294,21 @@ const PinSet& HeldPoints::Pins(const PoseModel& model, bool* changed) {
     return *pins_;
   }
   holds_.clear();
+  turned_.clear();
   for (size_t h = 0; h < handles_.size(); ++h) {
     if (handles_[h].held) holds_.push_back({model.handle_rows->row(h), handles_[h].compliance});
   }
   for (size_t slot = 0; slot < turns_.size(); ++slot) {
     if (turns_[slot].handle < 0) continue;
-    for (size_t axis = 0; axis < dimension_; ++axis)
+    turned_.push_back({holds_.size(), turns_[slot].patch});
+    for (size_t axis = 0; axis < turns_[slot].patch.count; ++axis)
       holds_.push_back({extra_rows_.row(turn_row(slot) + axis), turns_[slot].compliance});
   }
   for (size_t slot = 0; slot < grabs_.size(); ++slot) {
     if (grabs_[slot].held)
       holds_.push_back({extra_rows_.row(grab_row(slot)), grabs_[slot].compliance});
   }
-  own_pins_.Build(*model.rig, holds_);
+  own_pins_.Build(*model.rig, holds_, turned_);
   pins_ = &own_pins_;
   return *pins_;
 }
@@ -322,15 +324,15 @@ bool HeldPoints::IsAsBaked(const RigTables& tables) const {
          std::none_of(grabs_.begin(), grabs_.end(), is_held);
 }
 
-void HeldPoints::StoreTargets(double* targets) const {
+void HeldPoints::StoreTargets(double* targets, double* rotations) const {
   const auto store = [&](const double* from) { targets = std::copy_n(from, dimension_, targets); };
   for (const Point& point : handles_) {
     if (point.held) store(point.target_rig.data());
   }
   for (const Turn& turn : turns_) {
     if (turn.handle < 0) continue;
-    for (size_t axis = 0; axis < dimension_; ++axis)
-      store(turn.axes.data() + axis * 3);
+    targets += turn.patch.count * dimension_;
+    rotations = std::copy_n(turn.rotation.data(), dimension_ * dimension_, rotations);
   }
   for (const Grabbed& grab : grabs_) {
     if (grab.held) store(grab.target_rig.data());

@@ -46,11 +46,14 @@ class HeldPoints {
   const PinSet& Pins(const PoseModel& model, bool* changed);
 
   // X, [c][k] in rig space, in the order of Pins' rows: the pinned handles in their order, then
-  // the axes of the handles that are turned, then the grabs.
-  void StoreTargets(double* targets) const;
+  // the axes of the handles that are turned (left alone), then the grabs. And the rotations that
+  // these are turned to, [turns][k][k] row-major.
+  void StoreTargets(double* targets, double* rotations) const;
 
   // The largest c there can be.
   size_t capacity() const { return own_pins_.capacity(); }
+
+  size_t max_turns() const { return turns_.size(); }
 
  private:
   struct Point {
@@ -63,7 +66,8 @@ class HeldPoints {
   struct Turn {
     int handle = -1;  // -1: the slot is empty
     double compliance = 0;
-    std::array<double, 9> axes = {};  // images of the rig's axes, [axis][coordinate]
+    PatchAxes patch;
+    std::array<double, 9> rotation = {};  // rig space, k x k row-major
   };
 
   struct Grabbed : Point {
@@ -84,7 +88,8 @@ class HeldPoints {
   std::vector<Grabbed> grabs_;
   HeldRowTable extra_rows_;  // of the turns, then of the grabs
   PinSet own_pins_;
-  std::vector<Hold> holds_;  // scratch
+  std::vector<Hold> holds_;          // scratch
+  std::vector<TurnedPatch> turned_;  // scratch
   bool is_changed_ = false;
   const PinSet* pins_;  // the model's while nothing was changed
 };

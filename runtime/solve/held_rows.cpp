@@ -1,9 +1,9 @@
 #include "solve/held_rows.h"
 
-#include "core/rotation_fit.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 
@@ -24,42 +24,46 @@ void AddRow(double factor, const float* table, size_t count, double* out) {
   DoubleRow(out, size) += factor * FloatRow(table, size).cast<double>();
 }
 
-// How the neighbourhood of a handle is turned in a shape, from the first shape: the rotation that
-// fits the vertices that follow the handle, seen from its own.
-template <int K>
-Eigen::Matrix<double, K, K> HandleTurn(const Rig& rig, int handle, int shape) {
-  const SkinMesh& mesh = rig.mesh();
-  const size_t vertices = mesh.num_solve_vertices;
-  const Vec3* first = mesh.shape_positions.data();
-  const Vec3* turned = first + static_cast<size_t>(shape) * vertices;
-  const size_t centre = rig.tables().handles[static_cast<size_t>(handle)].vertex;
-  Eigen::Matrix<double, K, K> sum = Eigen::Matrix<double, K, K>::Zero();
-  for (size_t v = 0; v < vertices; ++v) {
-    const double weight = static_cast<double>(
-        mesh.weights[v * static_cast<size_t>(mesh.num_handles) + static_cast<size_t>(handle)]);
-    if (weight == 0) continue;
-    Eigen::Matrix<double, K, 1> from, to;
-    for (int axis = 0; axis < K; ++axis) {
-      from[axis] = static_cast<double>(first[v][axis]) - static_cast<double>(first[centre][axis]);
-      to[axis] = static_cast<double>(turned[v][axis]) - static_cast<double>(turned[centre][axis]);
-    }
-    sum += weight * weight * from * to.transpose();
-  }
-  return FitRotation<K>(sum);
+// An axis along which the patch is flatter than this, of its longest, says nothing of how it turns.
+constexpr double kFlat = 0.05;
+
+double WeightOf(const SkinMesh& mesh, size_t vertex, int handle) {
+  return static_cast<double>(
+      mesh.weights[vertex * static_cast<size_t>(mesh.num_handles) + static_cast<size_t>(handle)]);
 }
 
-// The turns of all shapes, k x k column-major each.
-void FillTurns(const Rig& rig, int handle, std::vector<double>* turns) {
-  double* out = turns->data();
-  for (int s = 0; s < rig.num_shapes(); ++s) {
-    if (rig.dimension() == 2) {
-      Eigen::Map<Eigen::Matrix2d>{out} = HandleTurn<2>(rig, handle, s);
-      out += 4;
-    } else {
-      Eigen::Map<Eigen::Matrix3d>{out} = HandleTurn<3>(rig, handle, s);
-      out += 9;
-    }
+// omega: zero where the handle has less than half of the say. Where that leaves too little of a
+// coarse mesh, all that follow it at all.
+double PatchWeight(double weight, bool coarse) {
+  const double core = coarse ? weight : std::max(0.0, 2 * weight - 1);
+  return core * core;
+}
+
+// p_v - p_h in the first shape.
+Eigen::Vector3d FromHandle(const Rig& rig, size_t vertex, size_t centre) {
+  const Vec3 p = rig.mesh().shape_positions[vertex], h = rig.mesh().shape_positions[centre];
+  return Eigen::Vector3f(p.x, p.y, p.z).cast<double>() -
+         Eigen::Vector3f(h.x, h.y, h.z).cast<double>();
+}
+
+Eigen::Matrix3d PatchMoments(const Rig& rig, int handle, bool coarse) {
+  const size_t centre = rig.tables().handles[static_cast<size_t>(handle)].vertex;
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (size_t v = 0; v < rig.mesh().num_solve_vertices; ++v) {
+    const double omega = PatchWeight(WeightOf(rig.mesh(), v, handle), coarse);
+    if (omega == 0) continue;
+    const Eigen::Vector3d from = FromHandle(rig, v, centre);
+    moments += omega * from * from.transpose();
   }
+  return moments;
+}
+
+// Axes with enough of the patch along them, the longest first.
+int CountAxes(const Eigen::Vector3d& moments) {
+  int count = 0;
+  while (count < 3 && moments[2 - count] > kFlat * kFlat * moments[2])
+    ++count;
+  return count;
 }
 
 }  // namespace
@@ -78,12 +82,10 @@ HeldRowTable::HeldRowTable(const Rig& rig, size_t capacity)
       loads_(capacity * num_loads_),
       response_(capacity * num_transforms_),
       single_(capacity * single_size_),
-      coefficients_(num_transforms_),
-      turns_(static_cast<size_t>(rig.num_shapes()) * static_cast<size_t>(rig.dimension()) *
-             static_cast<size_t>(rig.dimension())) {}
+      coefficients_(num_transforms_) {}
 
 size_t HeldRowTable::bytes() const {
-  return BytesOf(translations_, modes_, loads_, response_, single_, coefficients_, turns_);
+  return BytesOf(translations_, modes_, loads_, response_, single_, coefficients_);
 }
 
 HeldRow HeldRowTable::row(size_t at) const {
@@ -105,42 +107,57 @@ void HeldRowTable::FillHandle(const Rig& rig, size_t at, int handle) {
   FillProducts(tables, at);
 }
 
-void HeldRowTable::FillPoint(const Rig& rig, size_t at, const SkinPoint& point) {
+// Adds factor times the vertex's row of M.
+void HeldRowTable::AddVertex(const Rig& rig, size_t vertex, double factor) {
   const SkinMesh& mesh = rig.mesh();
-  const auto shapes = static_cast<size_t>(mesh.num_shapes),
-             k = static_cast<size_t>(rig.dimension());
-  const auto handles = static_cast<size_t>(mesh.num_handles);
-  std::fill(coefficients_.begin(), coefficients_.end(), 0.0);
-  for (size_t corner = 0; corner < 3; ++corner) {
-    const size_t vertex = point.vertices[corner];
-    for (size_t row = 0; row < handles * shapes; ++row) {
-      const double weight = static_cast<double>(point.weights[corner]) *
-                            static_cast<double>(mesh.weights[vertex * handles + row / shapes]);
-      const Vec3 place = mesh.shape_positions[row % shapes * mesh.num_solve_vertices + vertex];
-      double* out = coefficients_.data() + row * (k + 1);
-      for (size_t axis = 0; axis < k; ++axis)
-        out[axis] += weight * static_cast<double>(place[static_cast<int>(axis)]);
-      out[k] += weight;
-    }
+  const auto shapes = static_cast<size_t>(mesh.num_shapes);
+  const auto k = static_cast<size_t>(rig.dimension());
+  for (size_t row = 0; row < static_cast<size_t>(mesh.num_handles) * shapes; ++row) {
+    const double weight = factor * WeightOf(mesh, vertex, static_cast<int>(row / shapes));
+    if (weight == 0) continue;
+    const Vec3 place = mesh.shape_positions[row % shapes * mesh.num_solve_vertices + vertex];
+    double* out = coefficients_.data() + row * (k + 1);
+    for (size_t axis = 0; axis < k; ++axis)
+      out[axis] += weight * static_cast<double>(place[static_cast<int>(axis)]);
+    out[k] += weight;
   }
+}
+
+void HeldRowTable::FillPoint(const Rig& rig, size_t at, const SkinPoint& point) {
+  std::fill(coefficients_.begin(), coefficients_.end(), 0.0);
+  for (size_t corner = 0; corner < 3; ++corner)
+    AddVertex(rig, point.vertices[corner], static_cast<double>(point.weights[corner]));
   translations_[at] = 1;
   FillFromCoefficients(rig, at);
 }
 
-void HeldRowTable::FillAxes(const Rig& rig, size_t at, int handle) {
-  const auto shapes = static_cast<size_t>(rig.num_shapes()),
-             k = static_cast<size_t>(rig.dimension());
-  FillTurns(rig, handle, &turns_);
-  for (size_t axis = 0; axis < k; ++axis) {
+PatchAxes HeldRowTable::FillAxes(const Rig& rig, size_t at, int handle) {
+  const auto k = static_cast<size_t>(rig.dimension());
+  const size_t centre = rig.tables().handles[static_cast<size_t>(handle)].vertex;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(PatchMoments(rig, handle, false));
+  const bool coarse = CountAxes(eigen.eigenvalues()) < 2;
+  if (coarse) eigen.compute(PatchMoments(rig, handle, true));
+  PatchAxes patch;
+  patch.count = std::min(k, static_cast<size_t>(CountAxes(eigen.eigenvalues())));
+  for (size_t i = 0; i < patch.count; ++i) {
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(2 - static_cast<Eigen::Index>(i));
+    const double scale = kAxisLength / eigen.eigenvalues()[2 - static_cast<Eigen::Index>(i)];
     std::fill(coefficients_.begin(), coefficients_.end(), 0.0);
-    for (size_t s = 0; s < shapes; ++s) {
-      double* out = coefficients_.data() + (static_cast<size_t>(handle) * shapes + s) * (k + 1);
-      for (size_t i = 0; i < k; ++i)
-        out[i] = kAxisLength * turns_[(s * k + axis) * k + i];
+    double sum = 0;
+    for (size_t v = 0; v < rig.mesh().num_solve_vertices; ++v) {
+      const double omega = PatchWeight(WeightOf(rig.mesh(), v, handle), coarse);
+      if (omega == 0) continue;
+      const double factor = scale * omega * axis.dot(FromHandle(rig, v, centre));
+      AddVertex(rig, v, factor);
+      sum += factor;
     }
-    translations_[at + axis] = 0;
-    FillFromCoefficients(rig, at + axis);
+    AddVertex(rig, centre, -sum);
+    for (size_t c = 0; c < k; ++c)
+      patch.axes[i * k + c] = kAxisLength * axis[static_cast<Eigen::Index>(c)];
+    translations_[at + i] = 0;
+    FillFromCoefficients(rig, at + i);
   }
+  return patch;
 }
 
 // From a row of M: its modes, those of the models of one shape, and what follows.

@@ -1,6 +1,12 @@
-// Linear functions of the transforms that can be held: points of the skin, and the directions of a
-// handle's axes, k of which make its rotation. For each, all that solving needs to know, worked out
-// once when the row is filled.
+// Linear functions of the transforms that can be held: points of the skin, and the axes of a
+// handle's patch of skin, which together make its orientation. For each, all that solving needs to
+// know, worked out once when the row is filled.
+//
+// The patch of a handle are the vertices that follow it more than anything else. With omega its
+// weights there, its axes a_i and moments m_i are those of sum_v omega_v (p_v - p_h)(p_v - p_h)^T
+// on the first shape, and the image of axis i is
+//     F_i(q) = sum_v omega_v (a_i . (p_v - p_h)) / m_i (q_v - q_h),
+// the least-squares affine map of the patch: F_i = a_i at rest. A flat patch has one axis less.
 #pragma once
 
 #include "core/aligned_vector.h"
@@ -8,6 +14,7 @@
 #include "rig/rig.h"
 #include "rig/skin_point.h"
 
+#include <array>
 #include <vector>
 
 namespace limber {
@@ -21,9 +28,14 @@ struct HeldRow {
   const double* single = nullptr;    // C of the models of one shape: [S][r1 + k padded]
 };
 
-// The directions are measured at this distance from the handle, so that a compliance weighs the
-// same for a position and for a rotation.
+// Axes have this length, so that a compliance weighs the same for a position and for a rotation.
 inline constexpr double kAxisLength = 0.1;  // rig units
+
+// The axes that a handle's patch has, each of kAxisLength: [count][k] in the first shape.
+struct PatchAxes {
+  size_t count = 0;
+  std::array<double, 9> axes = {};
+};
 
 class HeldRowTable {
  public:
@@ -43,11 +55,12 @@ class HeldRowTable {
   // A point of the skin. Its vertices are below the mesh's number. Where there are several shapes
   // it needs RigTables::single_mode_transforms.
   void FillPoint(const Rig& rig, size_t at, const SkinPoint& point);
-  // Rows at to at + k - 1: kAxisLength times the images of the rig's axes under the transform that
-  // the handle has with all shapes together, as if each shape stood there turned like the first.
-  void FillAxes(const Rig& rig, size_t at, int handle);
+  // The images of the axes of a handle's patch, in as many rows from `at` on (at most k). Costs
+  // O(V (k^2 + H S)) more.
+  PatchAxes FillAxes(const Rig& rig, size_t at, int handle);
 
  private:
+  void AddVertex(const Rig& rig, size_t vertex, double factor);
   void FillFromCoefficients(const Rig& rig, size_t at);
   void FillProducts(const RigTables& tables, size_t at);
 
@@ -55,7 +68,6 @@ class HeldRowTable {
   std::vector<double> translations_;  // [rows]
   AlignedVector<double> modes_, loads_, response_, single_;
   std::vector<double> coefficients_;  // a row of M: n, scratch
-  std::vector<double> turns_;         // [S][k][k], scratch
 };
 
 }  // namespace limber

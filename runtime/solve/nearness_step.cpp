@@ -1,5 +1,6 @@
 #include "solve/nearness_step.h"
 
+#include "solve/patch_turns.h"
 #include "solve/rotation_planes.h"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ void NearnessStep<K>::Reset() {
 // z = b + C^T y with b = sum_g K_g^T R_g^T, y = W (X - C b), as in constraint_system.h.
 template <int K>
 void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape,
-                                  const double* targets) {
+                                  const double* targets, const double* turns) {
   const auto groups = static_cast<size_t>(model.num_groups);
   const size_t count = pins.size(), chunks = stride_ / kBlockLanes;
   double* modes = Modes(shape);
@@ -54,6 +55,20 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
     for (size_t c = 0; c < K; ++c) {
       gaps_[p * K + c] =
           targets[p * K + c] - kernels_.dot(held + p * stride_, modes + c * stride_, chunks);
+    }
+  }
+  // Of a turned patch the images so far are the free ones: less themselves turned.
+  for (size_t turn = 0; turn < pins.turns.size(); ++turn) {
+    const auto& [first, patch] = pins.turns[turn];
+    double images[K * K];
+    for (size_t i = 0; i < patch.count * K; ++i)
+      images[i] = targets[first * K + i] - gaps_[first * K + i];
+    const Eigen::Matrix<double, K, K> to_target =
+        TurnToTarget<K>(patch, images, turns + turn * K * K);
+    for (size_t i = 0; i < patch.count; ++i) {
+      const Eigen::Map<const Eigen::Matrix<double, K, 1>> image(images + i * K);
+      Eigen::Map<Eigen::Matrix<double, K, 1>>{gaps_.data() + (first + i)* K} =
+          to_target * image - image;
     }
   }
   const double* response = pins.single_response(shape);
@@ -98,9 +113,9 @@ void NearnessStep<K>::LowerBounds(const PoseModel& model, size_t shape) {
 
 template <int K>
 void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const double* targets,
-                          bool hold_rotations) {
+                          bool hold_rotations, const double* turns) {
   for (size_t s = 0; s < static_cast<size_t>(model.num_shapes); ++s) {
-    MeetTargets(model, pins, s, targets);
+    MeetTargets(model, pins, s, targets, turns);
     if (hold_rotations) {
       std::copy_n(Rotations(s), shape_planes_, last_rotations_.data());
     } else {

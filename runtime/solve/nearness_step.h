@@ -24,7 +24,9 @@ class NearnessStep {
   void Reset();
 
   // targets: X, [c][K], rig space. hold_rotations: stay at the identity (call Reset before).
-  void Run(const PoseModel& model, const PinSet& pins, const double* targets, bool hold_rotations);
+  // turns: target rotations of the pin set's patches, as PatchTurns::targets.
+  void Run(const PoseModel& model, const PinSet& pins, const double* targets, bool hold_rotations,
+           const double* turns = nullptr);
 
   // sqrt(D_gs), D_gs = E_g(q_s, R, p_s) in squared rig units, after Run.
   double Root(const PoseModel& model, int block);
@@ -33,7 +35,8 @@ class NearnessStep {
   double LowerBound(int block) const { return lower_[static_cast<size_t>(block)]; }
 
  private:
-  void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets);
+  void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets,
+                   const double* turns);
   void FitRotations(const PoseModel& model, size_t shape);
   void LowerBounds(const PoseModel& model, size_t shape);
 

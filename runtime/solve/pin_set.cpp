@@ -13,7 +13,7 @@ size_t NumShapesOfSingles(const Rig& rig) {
 
 }  // namespace
 
-PinSet::PinSet(const Rig& rig, size_t max_rows)
+PinSet::PinSet(const Rig& rig, size_t max_rows, size_t max_turns)
     : system(max_rows, static_cast<size_t>(rig.tables().num_modes)),
       holds_capacity_(max_rows),
       dimension_(static_cast<size_t>(rig.dimension())),
@@ -31,20 +31,44 @@ PinSet::PinSet(const Rig& rig, size_t max_rows)
   const size_t bunches = (1 + max_rows + dimension_ - 1) / dimension_;
   transforms.resize(bunches * dimension_ * PaddedSize(num_transforms_));
   rows_.resize(max_rows);
+  turns.reserve(max_turns);
+  axis_loads.resize(padded * dimension_ * dimension_ * max_turns);
 }
 
 size_t PinSet::bytes() const {
-  return BytesOf(loads, shifts, transforms, rows_, single_modes_, single_response_) +
+  return BytesOf(loads, axis_loads, shifts, transforms, rows_, single_modes_, single_response_) +
          system.bytes() + single_system_.bytes();
 }
 
-void PinSet::Build(const Rig& rig, std::span<const Hold> holds) {
+void PinSet::Build(const Rig& rig, std::span<const Hold> holds,
+                   std::span<const TurnedPatch> turned) {
+  turns.assign(turned.begin(), turned.end());  // within the room of construction
   for (size_t i = 0; i < holds.size(); ++i)
     rows_[i] = {holds[i].row.modes, holds[i].row.translation, holds[i].compliance};
   system.Compute({rows_.data(), holds.size()});
+  LayOutAxes(holds);
   LayOutLoads(holds);
   LayOutTransforms(rig, holds);
   BuildSingles(holds);
+}
+
+void PinSet::LayOutAxes(std::span<const Hold> holds) {
+  num_axes = 0;
+  for (const TurnedPatch& turn : turns)
+    num_axes += turn.patch.count;
+  const size_t padded = PaddedSize(num_blocks_);
+  std::fill_n(axis_loads.begin(), padded * dimension_ * num_axes, 0.0);
+  size_t at = 0;
+  for (const TurnedPatch& turn : turns) {
+    for (size_t i = 0; i < turn.patch.count; ++i, ++at) {
+      const double* load = holds[turn.first_row + i].row.loads;
+      for (size_t row = 0; row < num_blocks_ * dimension_; ++row) {
+        const size_t block = row / dimension_;
+        const size_t plane = block / kBlockLanes * dimension_ + row % dimension_;
+        axis_loads[(plane * num_axes + at) * kBlockLanes + block % kBlockLanes] = load[row];
+      }
+    }
+  }
 }
 
 void PinSet::LayOutLoads(std::span<const Hold> holds) {

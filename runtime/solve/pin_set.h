@@ -18,13 +18,21 @@ struct Hold {
   double compliance = 0;  // rig units; 0: exactly
 };
 
+// The orientation of a handle's patch: rows first_row on, one for each of its axes. They are held
+// where the patch, as the examples make it, has its axes once turned to a target rotation.
+struct TurnedPatch {
+  size_t first_row = 0;
+  PatchAxes patch;
+};
+
 class PinSet {
  public:
-  PinSet(const Rig& rig, size_t max_rows);
+  // max_turns: how many patches may be turned; their axes are among the max_rows.
+  PinSet(const Rig& rig, size_t max_rows, size_t max_turns = 0);
 
-  // holds: 1 to max_rows, one of them at least a point of the skin. The rig is that of
-  // construction; the rows' data must live as long as this is used.
-  void Build(const Rig& rig, std::span<const Hold> holds);
+  // holds: 1 to max_rows, one of them at least a point of the skin; turns: which of them are the
+  // axes of patches. The rig is that of construction.
+  void Build(const Rig& rig, std::span<const Hold> holds, std::span<const TurnedPatch> turned = {});
 
   size_t capacity() const { return holds_capacity_; }
 
@@ -45,6 +53,11 @@ class PinSet {
   // L: 1 + q columns in bunches of k, [bunch][row chunk][k][8].
   AlignedVector<float> transforms;
 
+  std::vector<TurnedPatch> turns;
+  // V_i of the turns' rows, as `loads`: [chunk][k][axes][8].
+  AlignedVector<double> axis_loads;
+  size_t num_axes = 0;  // rows of all turns together
+
   // The models of one shape. C padded with zeros: [c][r1 + k padded]; W: [c][c].
   const double* single_modes(size_t shape) const {
     return single_modes_.data() + shape * size() * single_stride_;
@@ -55,6 +68,7 @@ class PinSet {
   }
 
  private:
+  void LayOutAxes(std::span<const Hold> holds);
   void LayOutLoads(std::span<const Hold> holds);
   void LayOutTransforms(const Rig& rig, std::span<const Hold> holds);
   void BuildSingles(std::span<const Hold> holds);

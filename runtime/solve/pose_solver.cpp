@@ -66,16 +66,16 @@ class PoseState::Impl {
 
  private:
   static std::variant<Alternation<2>, Alternation<3>> MakeAlternation(const PoseModel& model,
-                                                                      size_t max_pins) {
-    if (model.k == 2) return Alternation<2>(model, max_pins);
-    return Alternation<3>(model, max_pins);
+                                                                      const HeldPoints& held) {
+    if (model.k == 2) return Alternation<2>(model, held.capacity(), held.max_turns());
+    return Alternation<3>(model, held.capacity(), held.max_turns());
   }
 };
 
 PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom room)
     : model(std::move(shared_model)),
       held(*model, room.grabs, room.rotations),
-      alternation(MakeAlternation(*model, held.capacity())) {
+      alternation(MakeAlternation(*model, held)) {
   const RigTables& tables = model->rig->tables();
   matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
   ResetToRest();
@@ -86,7 +86,7 @@ void PoseState::Impl::ResetToRest() {
   std::visit(
       [this](auto& unknowns) {
         unknowns.UsePins(*model, *model->pins);
-        held.StoreTargets(unknowns.targets.data());
+        held.StoreTargets(unknowns.targets.data(), unknowns.turn_targets().data());
         unknowns.ResetToRest(*model);
       },
       alternation);
@@ -125,7 +125,7 @@ Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
   std::visit(
       [&](auto& unknowns) {
         if (pins_changed) unknowns.UsePins(*model, pins);
-        held.StoreTargets(unknowns.targets.data());
+        held.StoreTargets(unknowns.targets.data(), unknowns.turn_targets().data());
         while (result.iterations < options.iterations && !result.settled) {
           const auto outcome =
               unknowns.Run(*model, {static_cast<double>(options.lambda), options.rotations,

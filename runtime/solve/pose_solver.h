@@ -98,10 +98,11 @@ class PoseState {
   // stretched along its side, 100 is nearly exact. 1e-6 to 1e9, or kHeldExactly.
   Status SetStiffness(int handle, float stiffness);
 
-  // Turns a handle: its transform, all example shapes together, turns the neighbourhood of the
-  // handle in the first example by this rotation (mesh space; any length but zero). In the plane
-  // only the part about the plane's normal counts. The position is held or not as before. Stiffness
-  // as above, of points a tenth of the character's size from the handle. Further errors:
+  // Turns the patch of skin that follows the handle most, against the first example, to this
+  // rotation (mesh space; any length but zero; in the plane only the part about its normal counts).
+  // Only the orientation is asked for: examples that stretch or bend the patch stay free to. The
+  // position is held or not as before. Stiffness as above, of points a tenth of the character's
+  // size from the handle. Later rotations of the same handle cost nothing extra. Further errors:
   // kLimitExceeded (no room), kUnsupported (a rig baked in format version 1).
   Status SetRotation(int handle, Quaternion rotation, float stiffness = kHeldExactly);
   Status ClearRotation(int handle);

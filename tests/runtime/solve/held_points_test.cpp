@@ -245,22 +245,48 @@ TEST_P(HeldPointsTest, GrabOfAHandlesVertex_IsThePin) {
     EXPECT_LT((a[v] - b[v]).norm(), 1e-4 * double{rig_->diagonal()});
 }
 
-// The skin near the handle turns; and the whole may turn about the one point that holds it.
-TEST_P(TurningHeldPointsTest, RotationOfTheOnlyHandle_TurnsTheWholeCharacter) {
+// Targets and the rotation that a rigid motion asks for cost nothing and give that motion.
+TEST_P(TurningHeldPointsTest, RotationThatFitsTheTargets_TurnsTheWholeCharacter) {
   PoseState state = MakeState();
-  for (int h = 0; h < rig_->num_handles(); ++h) {
-    if (h == moved_) continue;
-    ASSERT_TRUE(state.Unpin(h).ok());
-  }
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()));
+  const Vector3d centre = ToEigen(state.target(moved_));
+  for (int h = 0; h < rig_->num_handles(); ++h) {
+    if (!state.is_pinned(h)) continue;
+    const Vector3d target = centre + turn * (ToEigen(state.target(h)) - centre);
+    ASSERT_TRUE(state.SetTarget(h, FromEigen(target)).ok());
+  }
   ASSERT_TRUE(state.SetRotation(moved_, FromEigen(turn)).ok());
   const PoseReport report = Settle(&state);
   EXPECT_LT(report.elastic, 1e-4 * double{rig_->diagonal()});
   const auto q = test::SkinNaively(*rig_, state.transforms());
-  const Vector3d centre = ToEigen(state.target(moved_));
   for (uint32_t v = 0; v < q.size(); ++v) {
     const Vector3d expected = centre + turn * (test::ShapePosition(*rig_, 0, v) - centre);
     EXPECT_LT((q[v] - expected).norm(), 2e-4 * double{rig_->diagonal()});
+  }
+  // Turned otherwise it costs something.
+  const Eigen::Quaterniond more(Eigen::AngleAxisd(1.0, Vector3d::UnitZ()));
+  ASSERT_TRUE(state.SetRotation(moved_, FromEigen(more)).ok());
+  EXPECT_GT(Settle(&state).elastic, 1e-2 * double{rig_->diagonal()});
+}
+
+// Orientation alone is asked for: an example that stretches the patch comes back all the same.
+TEST_F(HeldPoints, RotationThatAnExampleHas_LeavesTheExampleAsItIs) {
+  Make({"Square", 3, true});
+  for (int shape = 0; shape < rig_->num_shapes(); ++shape) {
+    PoseState state = MakeState();
+    for (int h = 0; h < rig_->num_handles(); ++h) {
+      if (!state.is_pinned(h)) continue;
+      const uint32_t vertex = rig_->tables().handles[static_cast<size_t>(h)].vertex;
+      const Vector3d target = test::ShapePosition(*rig_, shape, vertex);
+      ASSERT_TRUE(state.SetTarget(h, FromEigen(target)).ok());
+      ASSERT_TRUE(state.SetRotation(h, Quaternion()).ok());
+    }
+    Settle(&state);
+    const auto q = test::SkinNaively(*rig_, state.transforms());
+    for (uint32_t v = 0; v < q.size(); ++v) {
+      EXPECT_LT((q[v] - test::ShapePosition(*rig_, shape, v)).norm(),
+                1e-3 * double{rig_->diagonal()});
+    }
   }
 }
 
