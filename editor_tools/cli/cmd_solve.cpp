@@ -30,7 +30,10 @@ The meshes have the vertices and faces of the source, in the source's order. "se
 of the solve alone. frames.json holds targets in the mesh's own space:
   {"frames":[{"targets":{"hand":[0.1,1.2,0.3],"foot":[0,0,0]}},{"targets":{"hand":[0.2,1.2,0.3]}}]}
 A handle that a frame leaves out keeps its last target; before the first one it rests. Frames follow
-each other: each starts from the result of the one before.
+each other: each starts from the result of the one before. Beside "targets" a frame may say
+  "pinned":{"foot":false}           let go of a handle, or hold one where it is
+  "stiffness":{"hand":5}            pull softly (null: exactly)
+  "rotations":{"hand":[0,0,0.4,0.9]}  turn the skin around a handle (x, y, z, w; null: let it be)
 
 Examples:
   limber solve horse_baked.glb --targets gallop.json -o out/
@@ -76,7 +79,7 @@ struct Solved {
 Result<Solved> SolveFrames(const PoseRun& run, const PoseRunOptions& options,
                            const bake::SourceFaces& faces, OutputFolder* output,
                            ProgressBar* progress) {
-  Result<PoseState> state = PoseState::Create(run.rig);
+  Result<PoseState> state = CreateState(run.rig);
   if (!state.ok()) return state.status();
   Result<CpuSkinner> skinner = CpuSkinner::Create(run.rig->mesh(), run.rig->tables().space);
   if (!skinner.ok()) return skinner.status();

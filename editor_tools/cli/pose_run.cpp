@@ -1,8 +1,8 @@
 #include "cli/pose_run.h"
 
-#include "import/frames_file.h"
 #include "load/rig_loader.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace limber::cli {
@@ -21,18 +21,24 @@ std::string KnownHandles(const Rig& rig) {
   return names;
 }
 
-// `place` names the frame, for messages.
-Result<int> ResolveHandle(const Rig& rig, const std::string& name, const std::string& place) {
+// `place` names the frame, for messages; pinned: which handles are at the moment, kept up to date.
+Result<int> ResolveHandle(const Rig& rig, const bake::HandleInput& input, const std::string& place,
+                          std::vector<uint8_t>* pinned) {
+  const std::string& name = input.handle;
   const int handle = rig.FindHandle(name);
   if (handle < 0) {
     return Error(StatusCode::kInvalidArgument,
                  "%s: the character has no handle \"%s\"; its handles are %s", place.c_str(),
                  name.c_str(), KnownHandles(rig).c_str());
   }
-  if (!rig.tables().handles[static_cast<size_t>(handle)].pinned) {
-    return Error(StatusCode::kInvalidArgument,
-                 "%s: handle \"%s\" is free and follows by itself; those to drag are %s",
-                 place.c_str(), name.c_str(), KnownHandles(rig).c_str());
+  uint8_t& is_pinned = (*pinned)[static_cast<size_t>(handle)];
+  if (input.pinned.has_value()) is_pinned = *input.pinned ? 1 : 0;
+  if (input.target.has_value() && is_pinned == 0) {
+    return Error(
+        StatusCode::kInvalidArgument,
+        "%s: handle \"%s\" is free and follows by itself; pin it (\"pinned\"), or drag one "
+        "of those baked as pinned: %s",
+        place.c_str(), name.c_str(), KnownHandles(rig).c_str());
   }
   return handle;
 }
@@ -76,22 +82,38 @@ Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options
   if (!frames.ok()) return frames.status();
   PoseRun run;
   run.rig = std::move(*rig);
+  std::vector<uint8_t> pinned;
+  for (const RigHandle& handle : run.rig->tables().handles)
+    pinned.push_back(handle.pinned ? 1 : 0);
   for (size_t i = 0; i < frames->size(); ++i) {
     const std::string place = options.targets + ": frames[" + std::to_string(i) + "]";
     PoseFrame frame;
-    for (const auto& [name, position] : (*frames)[i]) {
-      const Result<int> handle = ResolveHandle(*run.rig, name, place);
+    for (const bake::HandleInput& input : (*frames)[i]) {
+      const Result<int> handle = ResolveHandle(*run.rig, input, place, &pinned);
       if (!handle.ok()) return handle.status();
-      frame.targets.emplace_back(*handle, position);
+      frame.inputs.emplace_back(*handle, input);
     }
     run.frames.push_back(std::move(frame));
   }
   return run;
 }
 
+Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig) {
+  PoseRoom room;
+  room.rotations = std::min(rig->num_handles(), 1000);
+  return PoseState::Create(rig, room);
+}
+
 Status ApplyFrame(const PoseFrame& frame, PoseState* state) {
-  for (const auto& [handle, position] : frame.targets) {
-    LIMBER_RETURN_IF_ERROR(state->SetTarget(handle, position));
+  for (const auto& [handle, input] : frame.inputs) {
+    if (input.pinned.has_value())
+      LIMBER_RETURN_IF_ERROR(*input.pinned ? state->Pin(handle) : state->Unpin(handle));
+    if (input.stiffness.has_value())
+      LIMBER_RETURN_IF_ERROR(state->SetStiffness(handle, *input.stiffness));
+    if (input.target.has_value()) LIMBER_RETURN_IF_ERROR(state->SetTarget(handle, *input.target));
+    if (input.rotation.has_value())
+      LIMBER_RETURN_IF_ERROR(state->SetRotation(handle, *input.rotation));
+    if (input.clears_rotation) LIMBER_RETURN_IF_ERROR(state->ClearRotation(handle));
   }
   return {};
 }

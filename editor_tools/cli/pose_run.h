@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/status.h"
-#include "core/vec3.h"
+#include "import/frames_file.h"
 #include "load/gltf_file.h"
 #include "rig/rig.h"
 #include "solve/pose_solver.h"
@@ -31,7 +31,7 @@ struct PoseRunOptions {
 };
 
 struct PoseFrame {
-  std::vector<std::pair<int, Vec3>> targets;  // handle, position in mesh space
+  std::vector<std::pair<int, bake::HandleInput>> inputs;  // handle, what becomes of it
 };
 
 struct PoseRun {
@@ -40,10 +40,13 @@ struct PoseRun {
 };
 
 // Errors as of the loader and of the frames file; kInvalidArgument for a name that no handle has
-// (with the names there are) and for a free handle.
+// (with the names there are) and for the target of a handle that is not pinned then.
 Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options);
 
-// Sets the targets of one frame; handles it leaves out keep theirs.
+// A state in which any handle can be given a rotation.
+Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig);
+
+// Sets what one frame says; handles it leaves out stay as they were.
 Status ApplyFrame(const PoseFrame& frame, PoseState* state);
 
 // "frame_0000" and so on.

@@ -4,35 +4,95 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+#include <limits>
+
 namespace limber::bake {
 namespace {
 
-std::string TargetPlace(const std::string& frame, const std::string& handle) {
-  return frame + ".targets: \"" + handle + "\"";
-}
-
 using Json = nlohmann::ordered_json;
 
-Result<FrameTargets> ReadFrame(const Json& frame, const std::string& place) {
-  LIMBER_RETURN_IF_ERROR(CheckMembers(frame, place, {"targets"}));
-  const auto targets = frame.find("targets");
-  FrameTargets result;
-  if (targets == frame.end()) return result;
-  if (!targets->is_object()) {
+Status ReadPinned(const Json& value, const std::string& place, HandleInput* input) {
+  if (!value.is_boolean())
+    return Status(StatusCode::kMalformed, place + ": neither true nor false");
+  input->pinned = value.get<bool>();
+  return {};
+}
+
+Status ReadStiffness(const Json& value, const std::string& place, HandleInput* input) {
+  input->stiffness = std::numeric_limits<float>::infinity();
+  if (value.is_null()) return {};
+  const double number = value.is_number() ? value.get<double>() : -1;
+  if (!(number > 0) || !std::isfinite(static_cast<float>(number))) {
     return Status(StatusCode::kMalformed,
-                  place + ".targets: an object of handle names and positions is needed");
+                  place + ": a number above zero is needed, or null for exactly");
   }
-  for (const auto& [name, value] : targets->items()) {
-    Result<Vec3> point = ReadPoint(value, TargetPlace(place, name));
-    if (!point.ok()) return point.status();
-    result.emplace_back(name, *point);
+  input->stiffness = static_cast<float>(number);
+  return {};
+}
+
+Status ReadTarget(const Json& value, const std::string& place, HandleInput* input) {
+  const Result<Vec3> point = ReadPoint(value, place);
+  if (!point.ok()) return point.status();
+  input->target = *point;
+  return {};
+}
+
+Status ReadRotation(const Json& value, const std::string& place, HandleInput* input) {
+  input->clears_rotation = value.is_null();
+  if (value.is_null()) return {};
+  float parts[4] = {};
+  bool sound = value.is_array() && value.size() == 4;
+  for (size_t i = 0; sound && i < 4; ++i) {
+    sound = value[i].is_number() && std::abs(value[i].get<double>()) <= 1e15;
+    if (sound) parts[i] = value[i].get<float>();
+  }
+  if (!sound) {
+    return Status(StatusCode::kMalformed,
+                  place + ": a quaternion of four numbers x, y, z, w is needed, or null for none");
+  }
+  input->rotation = Quaternion{parts[0], parts[1], parts[2], parts[3]};
+  return {};
+}
+
+struct Member {
+  const char* name;
+  const char* values;
+  Status (*read)(const Json& value, const std::string& place, HandleInput* input);
+};
+
+constexpr Member kMembers[] = {{"pinned", "true or false", ReadPinned},
+                               {"stiffness", "numbers", ReadStiffness},
+                               {"targets", "positions", ReadTarget},
+                               {"rotations", "quaternions", ReadRotation}};
+
+Result<FrameInput> ReadFrame(const Json& frame, const std::string& place) {
+  LIMBER_RETURN_IF_ERROR(
+      CheckMembers(frame, place, {"targets", "pinned", "stiffness", "rotations"}));
+  FrameInput result;
+  for (const Member& member : kMembers) {
+    const auto found = frame.find(member.name);
+    if (found == frame.end()) continue;
+    const std::string inside = place + "." + member.name;
+    if (!found->is_object()) {
+      return Status(StatusCode::kMalformed,
+                    inside + ": an object of handle names and " + member.values + " is needed");
+    }
+    for (const auto& [name, value] : found->items()) {
+      HandleInput input;
+      input.handle = name;
+      std::string handle_place = inside;
+      handle_place.append(": \"").append(name).append("\"");
+      LIMBER_RETURN_IF_ERROR(member.read(value, handle_place, &input));
+      result.push_back(std::move(input));
+    }
   }
   return result;
 }
 
 }  // namespace
 
-Result<std::vector<FrameTargets>> ParseFrames(std::string_view text, const std::string& name) {
+Result<std::vector<FrameInput>> ParseFrames(std::string_view text, const std::string& name) {
   Result<Json> root = ParseInput(text, name);
   if (!root.ok()) return root.status();
   LIMBER_RETURN_IF_ERROR(CheckMembers(*root, "the root", {"frames"}).WithContext(name));
@@ -41,16 +101,16 @@ Result<std::vector<FrameTargets>> ParseFrames(std::string_view text, const std::
     return Error(StatusCode::kMalformed, "%s: frames: a list of one frame or more is needed",
                  name.c_str());
   }
-  std::vector<FrameTargets> result;
+  std::vector<FrameInput> result;
   for (size_t f = 0; f < frames->size(); ++f) {
-    Result<FrameTargets> frame = ReadFrame((*frames)[f], "frames[" + std::to_string(f) + "]");
+    Result<FrameInput> frame = ReadFrame((*frames)[f], "frames[" + std::to_string(f) + "]");
     if (!frame.ok()) return frame.status().WithContext(name);
     result.push_back(std::move(*frame));
   }
   return result;
 }
 
-Result<std::vector<FrameTargets>> ReadFramesFile(const std::filesystem::path& path) {
+Result<std::vector<FrameInput>> ReadFramesFile(const std::filesystem::path& path) {
   Result<std::string> text = ReadTextFile(path);
   if (!text.ok()) return text.status();
   return ParseFrames(*text, path.string());

@@ -33,16 +33,20 @@ struct PoseOptions {
   bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
+  // Seconds after which no further alternation is begun; the first is always done. 0: no limit.
+  // With one, results depend on how fast the machine is at the moment.
+  double time_budget = 0;
   bool measure_stages = false;  // fill PoseReport::stages; the results are the same
 };
 
 struct PoseReport {
-  double energy = 0;      // eq. 10, in mesh units (of the cotangent-weighted edges); without roots
-                          // its square's units
-  double elastic = 0;     // the square root of E_d (eq. 9)
-  int iterations = 0;     // alternations done
-  double change = 0;      // largest change of a blend weight or of a rotation in use
-  bool settled = false;   // a tolerance was given and change <= settle_tolerance
+  double energy = 0;     // eq. 10, in mesh units (of the cotangent-weighted edges); without roots
+                         // its square's units
+  double elastic = 0;    // the square root of E_d (eq. 9)
+  int iterations = 0;    // alternations done
+  double change = 0;     // largest change of a blend weight or of a rotation in use
+  bool settled = false;  // a tolerance was given and change <= settle_tolerance
+  bool out_of_time = false;  // the time budget ended it: neither settled nor all iterations done
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
   bool optimal = true;    // the convex step reached its optimum (optimality is zero)
   int used_weights = 0;   // blend weights that the convex step worked with, of G*S

@@ -50,7 +50,7 @@ class Walk {
  private:
   void SetTargets(size_t frame) {
     for (size_t c = 0; c < model_->pins->size(); ++c) {
-      const Vec3 x = rig_->ToRig(path_[frame][static_cast<size_t>(model_->pins->handles[c])]);
+      const Vec3 x = rig_->ToRig(path_[frame][static_cast<size_t>(model_->pinned_handles[c])]);
       for (int axis = 0; axis < 3; ++axis)
         alternation_->targets[3 * c + static_cast<size_t>(axis)] = x[axis];
     }

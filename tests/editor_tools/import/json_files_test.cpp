@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace limber::test {
 namespace {
 
@@ -61,9 +63,27 @@ TEST(FramesFile, Targets_KeepNamesAndOrder) {
   ASSERT_TRUE(frames.ok()) << frames.status().message();
   ASSERT_EQ(frames->size(), 3u);
   ASSERT_EQ((*frames)[0].size(), 2u);
-  EXPECT_EQ((*frames)[0][0].first, "b");
-  EXPECT_EQ((*frames)[0][0].second, (Vec3{1, 2, 3}));
+  EXPECT_EQ((*frames)[0][0].handle, "b");
+  EXPECT_EQ((*frames)[0][0].target, (Vec3{1, 2, 3}));
   EXPECT_TRUE((*frames)[1].empty());
+}
+
+TEST(FramesFile, WhatIsHeldAndHow_ComesBeforeTargets) {
+  const auto frames = bake::ParseFrames(
+      R"({"frames":[{"rotations":{"a":[0,0,1,0],"b":null},"targets":{"a":[1,2,3]},
+                     "stiffness":{"a":2.5,"b":null},"pinned":{"a":true,"b":false}}]})",
+      "f.json");
+  ASSERT_TRUE(frames.ok()) << frames.status().message();
+  const bake::FrameInput& frame = frames->front();
+  ASSERT_EQ(frame.size(), 7u);
+  EXPECT_EQ(frame[0].pinned, true);
+  EXPECT_EQ(frame[1].pinned, false);
+  EXPECT_EQ(frame[2].stiffness, 2.5f);
+  EXPECT_EQ(frame[3].stiffness, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(frame[4].target, (Vec3{1, 2, 3}));
+  EXPECT_EQ(frame[5].rotation, (Quaternion{0, 0, 1, 0}));
+  EXPECT_TRUE(frame[6].clears_rotation);
+  EXPECT_FALSE(frame[5].clears_rotation);
 }
 
 TEST(FramesFile, Mistakes_NameFrameAndHandle) {
@@ -82,6 +102,13 @@ TEST(FramesFile, Mistakes_NameFrameAndHandle) {
       {R"({"frames":[{"targets":{"paw":[1,2,NaN]}}]})", "JSON"},
       {R"({"frames":[{"targets":{"paw":[1,2,1e16]}}]})", "\"paw\""},
       {R"({"frames":[{"targets":{"paw":[1,2,"3"]}}]})", "\"paw\""},
+      {R"({"frames":[{"pinned":{"paw":1}}]})", "frames[0].pinned: \"paw\""},
+      {R"({"frames":[{"pinned":true}]})", "frames[0].pinned"},
+      {R"({"frames":[{"stiffness":{"paw":0}}]})", "frames[0].stiffness: \"paw\""},
+      {R"({"frames":[{"stiffness":{"paw":1e300}}]})", "above zero"},
+      {R"({"frames":[{"rotations":{"paw":[0,0,1]}}]})", "frames[0].rotations: \"paw\""},
+      {R"({"frames":[{"rotations":{"paw":[0,0,1,"w"]}}]})", "quaternion"},
+      {R"({"frames":[{"rotations":{"paw":[0,0,1,1e16]}}]})", "quaternion"},
   };
 
   for (const auto& bad : cases) {

@@ -305,7 +305,18 @@ TEST(LongDragRotations, InSpaceAndInThePlane_StayOrthogonal) {
   ExpectRotationsStayOrthogonal<2>(test::MakeStretchSquare(10));
 }
 
-// FNV-1a of everything that a frame gives, over a session of drags, jumps and resets.
+// Now and then something is grabbed, turned, softened, or let go again.
+void ChangeWhatIsHeld(const PoseModel& model, int frame, PoseState* state) {
+  const int handle = model.pinned_handles.back();
+  const auto vertex = static_cast<uint32_t>(frame) % model.rig->mesh().num_solve_vertices;
+  if (frame % 100 == 20) (void)state->Grab({{vertex, vertex, vertex}, {1, 0, 0}}, 3.0f);
+  if (frame % 100 == 45) (void)state->SetRotation(handle, {0, 0, 0.2f, 1});
+  if (frame % 100 == 60) (void)state->SetStiffness(handle, 8);
+  if (frame % 100 == 70) (void)state->Unpin(handle);
+  if (frame % 100 == 80) (void)state->Pin(handle);
+}
+
+// FNV-1a of everything that a frame gives, over a session of drags, jumps, holds and resets.
 // between: called before every frame.
 uint64_t HashOfSession(const std::shared_ptr<const PoseModel>& model,
                        const std::function<void(int)>& between = {}) {
@@ -321,6 +332,7 @@ uint64_t HashOfSession(const std::shared_ptr<const PoseModel>& model,
     if (between) between(frame);
     if (frame % 150 == 149) state.ResetToRest();
     const int place = frame % 40 == 39 ? frame * 17 : frame;  // now and then a jump
+    ChangeWhatIsHeld(*model, frame, &state);
     for (const int handle : model->pinned_handles)
       (void)state.SetTarget(handle, wanderer.At(handle, static_cast<float>(place)));
     (void)state.Solve({}, nullptr);

@@ -142,6 +142,26 @@ TEST_F(PoseStateTest, MeasureStages_FillsThemAndChangesNothing) {
             whole);
 }
 
+TEST_F(PoseStateTest, TimeBudget_EndsTheCallAndSaysSo) {
+  PoseState state = MakeState();
+  PoseOptions options;
+  options.iterations = 1'000'000;
+  options.time_budget = 1e-3;
+  PoseReport report;
+  ASSERT_TRUE(state.Solve(options, &report).ok());
+  EXPECT_TRUE(report.out_of_time);
+  EXPECT_FALSE(report.settled);
+  EXPECT_GE(report.iterations, 1);
+  EXPECT_LT(report.iterations, options.iterations);
+  options.iterations = 3;
+  options.time_budget = 3600;
+  ASSERT_TRUE(state.Solve(options, &report).ok());
+  EXPECT_FALSE(report.out_of_time);
+  EXPECT_EQ(report.iterations, 3);
+  options.time_budget = -1;
+  EXPECT_EQ(state.Solve(options, nullptr).code(), StatusCode::kInvalidArgument);
+}
+
 TEST_F(PoseStateTest, Solve_RefusesOptionsOutOfRange) {
   PoseState state = MakeState();
   PoseOptions options;
