@@ -159,6 +159,10 @@ TEST_F(LimberCommand, Info_KnowsSourceAndBake) {
   EXPECT_EQ(baked["version"], 1);
   EXPECT_EQ(baked["handles"][1]["name"], "right");
   EXPECT_EQ(baked["triangles"], plain["triangles"]);
+  for (int s = 0; s < 3; ++s) {
+    const auto at = baked["handles"][1]["examples"][size_t(s)].get<std::array<float, 3>>();
+    EXPECT_LT(LargestDistance({at}, {Example(s - 1)[48]}), 1e-5) << "shape " << s;
+  }
   EXPECT_EQ(RunLimber({"info", Path("baked.glb")}).exit_code, 0);
 }
 
