@@ -125,7 +125,8 @@ TEST_F(FiguresTest, EnergyInterpolation_IsTheSingleShapeOfLeastEnergy) {
   Load(test::MakeStretchSquare(20));
   for (const bool rotations : {false, true}) {
     const test::SingleShapeOracle oracle(raw_, *rig_, rotations);
-    for (double x = 0.65; x < 3; x += 0.1) {
+    for (int i = 0; i < 24; ++i) {
+      const double x = 0.65 + 0.1 * i;
       const Pose pose = PoseAt(x, EnergyInterpolation(rotations));
       std::vector<test::SingleShapeOracle::Answer> answers;
       std::vector<double> energies;

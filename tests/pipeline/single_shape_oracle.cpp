@@ -43,6 +43,7 @@ std::vector<Eigen::MatrixXd> SingleShapeOracle::FitRotations(const Eigen::Matrix
     }
   }
   std::vector<Eigen::MatrixXd> rotations;
+  rotations.reserve(fits.size());
   for (const Eigen::Matrix2d& fit : fits)
     rotations.emplace_back(FitRotation<2>(fit));
   return rotations;
