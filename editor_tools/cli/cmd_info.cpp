@@ -82,6 +82,17 @@ uint64_t MeshBytes(const SkinMesh& mesh) {
              sizeof(uint32_t);
 }
 
+// Where each example shape has a vertex, in mesh space: targets that bring that example back.
+Json ExamplePositions(const Rig& rig, uint32_t vertex) {
+  const SkinMesh& mesh = rig.mesh();
+  Json positions = Json::array();
+  for (size_t s = 0; s < static_cast<size_t>(mesh.num_shapes); ++s) {
+    const Vec3 p = rig.ToMesh(mesh.shape_positions[s * mesh.num_solve_vertices + vertex]);
+    positions.push_back({p.x, p.y, p.z});
+  }
+  return positions;
+}
+
 Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
   const RigTables& tables = rig.tables();
   const SkinMesh& mesh = rig.mesh();
@@ -93,7 +104,8 @@ Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
                        {"pinned", handle.pinned},
                        {"node", handle.node},
                        {"vertex", handle.vertex},
-                       {"rest", {p.x, p.y, p.z}}});
+                       {"rest", {p.x, p.y, p.z}},
+                       {"examples", ExamplePositions(rig, handle.vertex)}});
   }
   return {{"file", file.name()},
           {"baked", true},

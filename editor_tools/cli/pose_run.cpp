@@ -63,6 +63,10 @@ void PoseRunOptions::AddTo(CLI::App* app) {
       ->option_text("X");
   app->add_flag("--no-rotations", no_rotations,
                 "Blend without local rotations: one convex problem, for faces and the like");
+  app->add_flag("--uniform", uniform,
+                "One blend for the whole character: no limb draws from an example of its own");
+  app->add_flag("--no-roots", no_roots,
+                "Energies in place of their square roots: softer transitions between examples");
   app->add_flag("--settle", settle, "Go on in each frame until nothing moves any more");
 }
 
@@ -71,6 +75,8 @@ PoseOptions PoseRunOptions::ForSolver(const Rig& rig) const {
   pose.iterations = iterations > 0 ? iterations : settle ? kSettleIterations : kDefaultIterations;
   pose.lambda = lambda;
   pose.rotations = !no_rotations && rig.tables().has_rotations;
+  pose.varying_blend = !uniform;
+  pose.square_roots = !no_roots;
   pose.settle_tolerance = settle ? kSettleTolerance : 0;
   return pose;
 }

@@ -23,6 +23,7 @@ struct PoseRunOptions {
   int iterations = 0;  // 0: not given
   float lambda = 0.5f;
   bool no_rotations = false;
+  bool uniform = false, no_roots = false;
   bool settle = false;
 
   void AddTo(CLI::App* app);

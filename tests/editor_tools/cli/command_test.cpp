@@ -102,6 +102,14 @@ TEST_F(LimberCommand, HelpOfEverySubcommand_TeachesWithExamples) {
   }
 }
 
+TEST_F(LimberCommand, SolveAndRender_HaveTheVariantsOfTheEnergy) {
+  for (const char* name : {"solve", "render"}) {
+    const CommandResult help = RunLimber({name, "--help"});
+    for (const char* flag : {"--no-rotations", "--uniform", "--no-roots"})
+      EXPECT_NE(help.out.find(flag), std::string::npos) << name << " " << flag;
+  }
+}
+
 TEST_F(LimberCommand, WrongUsage_IsOneLineAndExitCode2) {
   for (const Words& words :
        {Words{}, Words{"fly"}, Words{"bake"}, Words{"bake", "a.glb"},
@@ -151,6 +159,10 @@ TEST_F(LimberCommand, Info_KnowsSourceAndBake) {
   EXPECT_EQ(baked["version"], 1);
   EXPECT_EQ(baked["handles"][1]["name"], "right");
   EXPECT_EQ(baked["triangles"], plain["triangles"]);
+  for (int s = 0; s < 3; ++s) {
+    const auto at = baked["handles"][1]["examples"][size_t(s)].get<std::array<float, 3>>();
+    EXPECT_LT(LargestDistance({at}, {Example(s - 1)[48]}), 1e-5) << "shape " << s;
+  }
   EXPECT_EQ(RunLimber({"info", Path("baked.glb")}).exit_code, 0);
 }
 
@@ -186,6 +198,47 @@ TEST_F(LimberCommand, Solve_RestAndExamplesComeBackInSourceOrder) {
       EXPECT_NEAR(sum, 1, 1e-5);
     }
   }
+}
+
+TEST_F(LimberCommand, SolveUniform_AllGroupsHaveTheSameBlend) {
+  const std::string square = LIMBER_SOURCE_DIR "/content/characters/square.glb";
+  ASSERT_EQ(RunLimber({"bake", square, "-o", Path("baked.glb")}).exit_code, 0);
+  // Where the square begins to puff, its groups do so one after the other.
+  Write("frames.json", R"({"frames":[{"targets":{"right":[1.12,0,0]}}]})");
+  const auto spread = [this](const Words& flags) {
+    Words words = {"solve", Path("baked.glb"), "--targets", Path("frames.json"),
+                   "-o",    Path("out"),       "--settle",  "--no-rotations"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const CommandResult result = RunLimber(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Json report = Json::parse(ReadText(Path("out/solve.json")));
+    const Json& groups = report["frames"][0]["blend_weights"];
+    EXPECT_GT(groups.size(), 1u);
+    double largest = 0;
+    for (const Json& group : groups)
+      largest = std::max(largest, std::abs(group[0].get<double>() - groups[0][0].get<double>()));
+    return largest;
+  };
+  EXPECT_GT(spread({}), 0.01);
+  EXPECT_EQ(spread({"--uniform"}), 0);
+}
+
+// With lambda 0 both forms have the same optimum; the energy is then E_d or its root.
+TEST_F(LimberCommand, SolveNoRoots_EnergyIsTheSquare) {
+  BakeBar(12);
+  const std::string frames =
+      Write("frames.json", R"({"frames":[{"targets":{"right":[15,1,2],"left":[-1,0,1]}}]})");
+  const auto energy = [&](const Words& flags) {
+    Words words = {"solve",     Path("baked.glb"), "--targets",      frames,     "-o",
+                   Path("out"), "--settle",        "--no-rotations", "--lambda", "0"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const CommandResult result = RunLimber(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(ReadText(Path("out/solve.json")))["frames"][0]["energy"].get<double>();
+  };
+  const double root = energy({}), square = energy({"--no-roots"});
+  EXPECT_GT(std::abs(root - 1), 0.1) << "a square like its root shows nothing";
+  EXPECT_NEAR(square, root * root, 1e-4 * square);
 }
 
 TEST_F(LimberCommand, Solve_HandleLeftOutKeepsItsTarget) {
