@@ -18,6 +18,7 @@ struct Command {
 Command AddPackCommand(CLI::App* parent);
 Command AddBakeCommand(CLI::App* parent);
 Command AddInfoCommand(CLI::App* parent);
+Command AddBenchCommand(CLI::App* parent);
 Command AddSolveCommand(CLI::App* parent);
 Command AddRenderCommand(CLI::App* parent);
 Command AddPlayCommand(CLI::App* parent);

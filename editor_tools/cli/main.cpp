@@ -28,6 +28,7 @@ constexpr char kFooter[] = R"(The way of a character:
   limber play face_baked.glb                             drag it
   limber solve face_baked.glb --targets frames.json -o out/
   limber render face_baked.glb --targets frames.json -o out/
+  limber bench face_baked.glb                            what it costs
 
 Each subcommand explains itself: limber bake --help
 
@@ -38,7 +39,7 @@ Exit codes: 0 done, 1 the input does not allow it, 2 wrong usage, 3 no Vulkan de
 
 std::vector<Command> AddCommands(CLI::App* app) {
   std::vector<Command> commands = {AddPackCommand(app), AddBakeCommand(app), AddInfoCommand(app),
-                                   AddSolveCommand(app)};
+                                   AddSolveCommand(app), AddBenchCommand(app)};
 #ifdef LIMBER_WITH_VIEWER
   commands.push_back(AddRenderCommand(app));
 #endif

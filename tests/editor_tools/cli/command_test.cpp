@@ -93,7 +93,7 @@ class LimberCommand : public ::testing::Test {
 
 TEST_F(LimberCommand, HelpOfEverySubcommand_TeachesWithExamples) {
   EXPECT_EQ(RunLimber({"--help"}).exit_code, 0);
-  for (const char* name : {"pack", "bake", "info", "solve", "render", "play"}) {
+  for (const char* name : {"pack", "bake", "info", "solve", "bench", "render", "play"}) {
     const CommandResult help = RunLimber({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;
     EXPECT_NE(help.out.find("limber " + std::string(name)), std::string::npos) << help.out;
