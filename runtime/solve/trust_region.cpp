@@ -8,17 +8,21 @@
 namespace limber {
 namespace {
 
-// mu at the first model step, at least and at most, and what it goes up and down by (the paper's
+// mu at the first model step and at least, and what it goes up and down by (the paper's
 // rho); one iteration tries so many.
-constexpr double kFirstMu = 0.1, kLeastMu = 1e-3, kMostMu = 1e12, kFactor = 10;
+constexpr double kFirstMu = 0.1, kLeastMu = 1e-3, kFactor = 10;
 constexpr int kMostTries = 12;
 
 // Of the decrease that a step promises this much must come true.
 constexpr double kSufficient = 0.1;
 // Plain steps that gain less than this of F have done their work: they do not rest where F does.
 constexpr double kStalled = 1e-6;
-// Promises below this of F, per undamped step, are rounding.
-constexpr double kNegligible = 1e-13;
+// A model that promises less than this of F, for each undamped step, is at rest.
+constexpr double kNegligible = 1e-14;
+// A promise below this of F that does not come true is rounding.
+constexpr double kResolution = 1e-12;
+// A step that goes this well lets the next one go further.
+constexpr double kGood = 0.5;
 // Steps of D for the same targets.
 constexpr int kMostNearnessSteps = 100;
 
@@ -193,12 +197,13 @@ void TrustRegion<K>::Iterate(const PoseModel& model, Outcome* outcome) {
     point_.objective = Objective(point_.parts.energy, point_.nearness);
   }
   outcome->before = point_.objective;
-  const bool is_same_problem = std::abs(point_.objective - last) <= kNegligible * last;
+  const bool is_same_problem = std::abs(point_.objective - last) <= kResolution * last;
   kernels_.rotate_loads(model.pins->loads.data(), point_.rotations.data(), model.pins->rank(),
                         model.chunks(), rows_.data());
   outcome->accepted =
       (is_plain_ && TryPlain(model, outcome)) || (!is_plain_ && TryModel(model, outcome));
   outcome->settled = outcome->settled && is_same_problem;
+  outcome->accepted = outcome->accepted && !outcome->settled;
   if (outcome->accepted) Move(model, outcome);
 }
 
@@ -207,11 +212,12 @@ template <int K>
 bool TrustRegion<K>::TryPlain(const PoseModel& model, Outcome* outcome) {
   std::fill(slope_.begin(), slope_.end(), 0.0);
   const bool accepted = Try(model, 1, outcome);
-  // Targets matched to the tables' rounding: what is left of E_d is not to be followed.
-  outcome->settled =
-      point_.parts.energy <= kMatched * model.energy_scale && trial_.blend == point_.blend;
+  const bool gained = accepted && trial_.objective < (1 - kStalled) * point_.objective;
+  // Targets matched to the tables' rounding: what is left of F is not to be followed.
+  outcome->settled = !gained && point_.parts.energy <= kMatched * model.energy_scale &&
+                     trial_.blend == point_.blend;
   if (outcome->settled) return false;
-  is_plain_ = accepted && trial_.objective < (1 - kStalled) * point_.objective;
+  is_plain_ = gained;
   return accepted;
 }
 
@@ -222,12 +228,15 @@ bool TrustRegion<K>::TryModel(const PoseModel& model, Outcome* outcome) {
   energy_.TimesEdges(model, slope_.data(), pulled_.data());
   for (int tries = 0; tries < kMostTries && !outcome->settled; ++tries) {
     const double tau = 1 / (1 + mu_);
-    if (Try(model, tau, outcome)) {
-      mu_ = std::max(mu_ / kFactor, kLeastMu);
+    const bool accepted = Try(model, tau, outcome);
+    outcome->settled = outcome->predicted <= kNegligible * tau * point_.objective ||
+                       (!accepted && outcome->predicted <= kResolution * point_.objective);
+    if (accepted) {
+      const double decrease = point_.objective - trial_.objective;
+      if (decrease >= kGood * outcome->predicted) mu_ = std::max(mu_ / kFactor, kLeastMu);
       return true;
     }
-    outcome->settled = outcome->predicted <= kNegligible * tau * point_.objective;
-    mu_ = std::min(mu_ * kFactor, kMostMu);
+    mu_ *= kFactor;
   }
   return false;
 }
