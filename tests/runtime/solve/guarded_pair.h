@@ -110,6 +110,33 @@ class GuardedPair {
 
   double GuardedObjective() { return Objective(GuardedModes(), trust.blend()); }
 
+  // What F falls by along its steepest tangent of the pins, for each unit of z, and along the best
+  // trade of two weights of a group, for each unit of B: zero at a stationary point. By differences
+  // of the dense F, one-sided in B.
+  double SteepestOfModes(const Modes& modes, const AlignedVector<double>& blend) {
+    const Modes slope = TangentSlope(modes, blend);
+    const double step = 1e-5 * std::sqrt(model->energy_scale) / std::max(slope.norm(), 1e-300);
+    const double fall =
+        Objective(modes - step * slope, blend) - Objective(modes + step * slope, blend);
+    return std::abs(fall) / (2 * step * std::max(slope.norm(), 1e-300));
+  }
+
+  double SteepestOfWeights(const Modes& modes, const AlignedVector<double>& blend) {
+    const double step = 1e-8, here = Objective(modes, blend);
+    double steepest = 0;
+    for (int from = 0; from < model->num_blocks; ++from) {
+      if (blend[static_cast<size_t>(from)] < step) continue;
+      const int first = from - from % model->num_shapes;
+      for (int to = first; to < first + model->num_shapes; ++to) {
+        AlignedVector<double> moved = blend;
+        moved[static_cast<size_t>(from)] -= step;
+        moved[static_cast<size_t>(to)] += step;
+        steepest = std::max(steepest, (here - Objective(modes, moved)) / step);
+      }
+    }
+    return steepest;
+  }
+
   Outcome RunGuarded() { return trust.Run(*model, settings, &guarded); }
 
   // X, c x k.
@@ -126,11 +153,30 @@ class GuardedPair {
   TrustRegion<K> trust;
 
  private:
-    static Eigen::MatrixXd Table(const std::vector<float>& table, Eigen::Index columns) {
+  static Eigen::MatrixXd Table(const std::vector<float>& table, Eigen::Index columns) {
     using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     return Eigen::Map<const RowMajor>(table.data(),
                                       static_cast<Eigen::Index>(table.size()) / columns, columns)
         .template cast<double>();
+  }
+
+  // Of E_d(z, B, R(z)), without what the pins forbid.
+  Modes TangentSlope(const Modes& modes, const AlignedVector<double>& blend) const {
+    ModeEnergy<K> energy(*model);
+    AlignedVector<double> padded(energy.size()), slope(energy.size());
+    const Eigen::OuterStride<> stride(static_cast<Eigen::Index>(energy.size() / K));
+    Eigen::Map<Modes, 0, Eigen::OuterStride<>>(padded.data(), model->num_modes, K, stride) = modes;
+    AlignedVector<double> rotations = trust.rotations();
+    typename ModeEnergy<K>::Parts parts = energy.MakeParts();
+    energy.FitRotations(*model, padded.data(), &rotations);
+    energy.Evaluate(*model, padded.data(), blend, rotations, &parts);
+    energy.SlopeThroughRotations(*model, padded.data(), blend, rotations, slope.data());
+    for (size_t i = 0; i < slope.size(); ++i)
+      slope[i] += parts.gap[i];
+    const Modes whole =
+        Eigen::Map<Modes, 0, Eigen::OuterStride<>>(slope.data(), model->num_modes, K, stride);
+    const ConstraintSystem& system = model->pins->system;
+    return whole - system.modes.transpose() * (system.response * (system.modes * whole));
   }
 
   template <class Rotations>
@@ -216,7 +262,8 @@ void StudyPose(int most, GuardedPair<K>* pair, GuardedStudy* study) {
     if (outcome.restarted) continue;
     // By its own account strictly, and by the dense one, with the D of now, to rounding.
     const double before = pair->Objective(modes, blend);
-    if (outcome.objective > outcome.before || now > before * (1 + rounding) + 1e-3 * noise) ++study->increases;
+    if (outcome.objective > outcome.before || now > before * (1 + rounding) + 1e-3 * noise)
+      ++study->increases;
     EXPECT_NEAR(outcome.objective, now, rounding * now + 1e-3 * noise);
   }
   study->settled += outcome.settled ? 1 : 0;
