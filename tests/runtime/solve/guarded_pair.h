@@ -231,6 +231,18 @@ struct GuardedStudy {
   }
 };
 
+// None negative, each group's sum one.
+inline void ExpectOnSimplices(const PoseModel& model, const AlignedVector<double>& blend) {
+  for (int first = 0; first < model.num_blocks; first += model.num_shapes) {
+    double sum = 0;
+    for (int i = first; i < first + model.num_shapes; ++i) {
+      EXPECT_GE(blend[static_cast<size_t>(i)], 0);
+      sum += blend[static_cast<size_t>(i)];
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+  }
+}
+
 // Runs both from a pose, each until it rests or `most` iterations are done.
 template <int K>
 void StudyPose(int most, GuardedPair<K>* pair, GuardedStudy* study) {
@@ -266,6 +278,7 @@ void StudyPose(int most, GuardedPair<K>* pair, GuardedStudy* study) {
       ++study->increases;
     EXPECT_NEAR(outcome.objective, now, rounding * now + 1e-3 * noise);
   }
+  ExpectOnSimplices(*pair->model, pair->trust.blend());
   study->settled += outcome.settled ? 1 : 0;
   last = pair->PlainObjective();  // with the D of now
   const double gain = last - now, allowed = 1e-6 * last + noise;
