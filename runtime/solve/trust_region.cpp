@@ -8,9 +8,9 @@
 namespace limber {
 namespace {
 
-// mu at the first model step and at least, and what it goes up and down by (the paper's
+// mu at the first model step, at least and at most, and what it goes up and down by (the paper's
 // rho); one iteration tries so many.
-constexpr double kFirstMu = 0.1, kLeastMu = 1e-3, kFactor = 10;
+constexpr double kFirstMu = 0.1, kLeastMu = 1e-3, kMostMu = 1e12, kFactor = 10;
 constexpr int kMostTries = 12;
 
 // Of the decrease that a step promises this much must come true.
@@ -236,7 +236,7 @@ bool TrustRegion<K>::TryModel(const PoseModel& model, Outcome* outcome) {
       if (decrease >= kGood * outcome->predicted) mu_ = std::max(mu_ / kFactor, kLeastMu);
       return true;
     }
-    mu_ *= kFactor;
+    mu_ = std::min(mu_ * kFactor, kMostMu);
   }
   return false;
 }

@@ -13,7 +13,7 @@
 // some mu decreases F wherever anything does; mu goes up tenfold where F did not decrease enough.
 //
 // The norm is that of E_d's own Hessian, and on top of it the weights' distance, |(w, v)|_E^2 =
-// |w - sum_i v_i K_z,i^T R_i^T|^2 + v^T gram v + sigma |v|^2. With tau = 1 / (1 + mu), u_0 = z_0 -
+// |w - sum_i v_i K_z,i^T R_i^T|^2 + v^T Q v + sigma |v|^2. With tau = 1 / (1 + mu), u_0 = z_0 -
 // b_0, eta = tau g - (1 - tau) u_0 and z eliminated as in constraint_system.h,
 //     z = b - eta + C^T L e,   e = L^T (X - C b + C eta)
 //     tau m = 1/2 B^T Q B + 1/2 |e|^2 + l . (B - B_0) + c + (1 - tau) sigma/2 |B - B_0|^2
