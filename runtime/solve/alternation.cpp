@@ -8,12 +8,9 @@
 namespace limber {
 namespace {
 
-// All relative to the energy of one example's edges. Tables in single precision leave about 3e-7 of
-// its root in sqrt(D), so shapes that fit the targets better than the floor fit equally well.
+// Relative to the root of the energy of one example's edges. Tables in single precision leave about
+// 3e-7 in sqrt(D), so shapes that fit the targets better than the floor fit equally well.
 constexpr double kNearnessFloor = 1e-6;
-constexpr double kSmoothing = 1e-14;  // delta^2 of the convex step
-constexpr double kProximal = 1e-10;   // rho of the convex step
-constexpr double kMatched = 1e-11;    // f that rounding leaves where an example matches exactly
 
 // scale * R_block, row-major.
 template <int K>
@@ -375,6 +372,38 @@ const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) 
                             transforms_.data());
   }
   return transforms_;
+}
+
+template <int K>
+void Alternation<K>::Adopt(const PoseModel& model, const AlignedVector<double>& blend,
+                           const AlignedVector<double>& rotations) {
+  are_identity_ = false;
+  blend_ = blend;
+  rotations_ = rotations;
+  RotateLoads(model);
+  UpdateResidual(model);
+  UpdateProduct(model);
+}
+
+template <int K>
+void Alternation<K>::AdvanceNearness(const PoseModel& model) {
+  nearness_step_.Run(model, *pins_, targets.data(), !settings_.rotations,
+                     patch_turns_.targets.data());
+}
+
+template <int K>
+double Alternation<K>::Nearness(const PoseModel& model, int block) {
+  return NearnessOf(nearness_step_.Root(model, block));
+}
+
+template <int K>
+double Alternation<K>::NearnessBound(int block) const {
+  return NearnessOf(nearness_step_.LowerBound(block));
+}
+
+template <int K>
+BlendWeightStep* Alternation<K>::convex_step() {
+  return settings_.varying_blend ? &blend_step_ : &uniform_step_;
 }
 
 template class RotatedColumns<2>;

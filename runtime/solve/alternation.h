@@ -21,6 +21,12 @@
 
 namespace limber {
 
+// Of the convex step, relative to the energy of one example's edges: delta^2, rho, and the f that
+// rounding leaves where an example matches exactly.
+inline constexpr double kSmoothing = 1e-14;
+inline constexpr double kProximal = 1e-10;
+inline constexpr double kMatched = 1e-11;
+
 // Columns of Q_ij = tr(R_i gram_ij R_j^T).
 template <int K>
 class RotatedColumns final : public QuadraticColumns {
@@ -77,6 +83,8 @@ class Alternation {
   // Begins with that.
   explicit Alternation(const PoseModel& model, size_t max_pins = 0, size_t max_turns = 0);
 
+  const PinSet& pins() const { return *pins_; }
+
   // What is held from now on; the targets are to be set anew. Outlives its use here.
   void UsePins(const PoseModel& model, const PinSet& pins);
 
@@ -105,7 +113,20 @@ class Alternation {
 
   Rotation rotation(int block) const;  // R
 
+  const AlignedVector<double>& rotations() const { return rotations_; }  // R, planes
+
   double Distance(const PoseModel& model, int block);  // D
+
+  // For the guaranteed mode (trust_region.h), which moves the unknowns by itself: goes on from
+  // these; one more step of D; what a weight costs in the objective of the last Run's settings
+  // (lambda sqrt(D) or lambda D), and a number not above it; and the convex step of those settings.
+  // The step's user has it forget its columns before and after.
+  void Adopt(const PoseModel& model, const AlignedVector<double>& blend,
+             const AlignedVector<double>& rotations);
+  void AdvanceNearness(const PoseModel& model);
+  double Nearness(const PoseModel& model, int block);
+  double NearnessBound(int block) const;
+  BlendWeightStep* convex_step();
 
  private:
   void HoldRotationsAtIdentity();
