@@ -1,6 +1,7 @@
 #include "bake/bake.h"
 
 #include "bake/edge_groups.h"
+#include "bake/handle_reach.h"
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
@@ -165,7 +166,10 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
   // The runtime skins with single-precision weights: the tensors are summed over the same ones.
   *weights = weights->cast<float>().cast<double>();
 
-  if (!clock.Begin("edge groups", 0.6, 0.65)) return cancelled;
+  if (!clock.Begin("reach", 0.6, 0.65)) return cancelled;
+  tables.handle_reach = HandleReach(mesh, handle_vertices, static_cast<double>(tables.space.scale));
+
+  if (!clock.Begin("edge groups", 0.65, 0.7)) return cancelled;
   const int wanted =
       options.num_groups > 0 ? options.num_groups : 2 * static_cast<int>(handle_vertices.size());
   ReduceInput input;
@@ -176,7 +180,7 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
   input.edges = &edges;
   input.handle_vertices = handle_vertices;
 
-  if (!clock.Begin("tensors", 0.65, 1)) return cancelled;
+  if (!clock.Begin("tensors", 0.7, 1)) return cancelled;
   if (Status status = Reduce(input, clock.Inner(), &tables); !status.ok()) {
     return status.WithContext(raw.file);
   }

@@ -20,7 +20,7 @@ struct ReduceInput {
   std::vector<int> handle_vertices;
 };
 
-// Fills the counts, the space and all float tables of *tables; handles and shape_names must be
+// Fills the counts and all float tables of *tables but handle_reach; handles and shape_names must be
 // filled before. tables->dimension and space are taken as given (see FitRigSpace).
 Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables);
 

@@ -45,6 +45,19 @@ void AppendGroup(const GroupTensors& group, const Eigen::MatrixXd& modes, Eigen:
   AppendPacked(UpperFactor(gram), &tables->single_group_factors);
 }
 
+// The transforms of shape s's modes, phi_0 first: H*(k+1) rows of 1 + r1.
+void AppendTransforms(const Eigen::MatrixXd& transforms, Eigen::Index k, RigTables* tables) {
+  const Eigen::Index r1 = tables->num_single_modes;
+  for (Eigen::Index row = 0; row < transforms.rows(); ++row) {
+    const bool is_translation = row % (k + 1) == k;
+    tables->single_mode_transforms.push_back(is_translation ? 1.0f : 0.0f);
+    for (Eigen::Index mode = 0; mode < r1; ++mode) {
+      const double entry = mode < transforms.cols() ? transforms(row, mode) : 0;
+      tables->single_mode_transforms.push_back(static_cast<float>(entry));
+    }
+  }
+}
+
 }  // namespace
 
 Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) {
@@ -54,28 +67,22 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
   const Eigen::Index r1 = input.weights->cols() * (k + 1) - 1;
   tables->num_single_modes = static_cast<int32_t>(r1);
   tables->single_handle_modes.clear();
-  tables->single_mode_transforms.clear();
   tables->single_edges.clear();
   tables->single_group_factors.clear();
+  tables->single_mode_transforms.clear();
   for (size_t s = 0; s < input.shapes->size(); ++s) {
     Result<ModeBasis> basis =
         ComputeModeBasis(SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian);
     if (!basis.ok()) return basis.status();
     Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
     modes.leftCols(basis->shapes.cols()) = basis->shapes;
-    for (Eigen::Index row = 0; row < basis->transforms.rows(); ++row) {
-      tables->single_mode_transforms.push_back(row % (k + 1) == k ? 1.0f : 0.0f);
-      for (Eigen::Index mode = 0; mode < r1; ++mode)
-        tables->single_mode_transforms.push_back(
-            mode < basis->transforms.cols() ? static_cast<float>(basis->transforms(row, mode))
-                                            : 0.0f);
-    }
     for (int vertex : *input.handle_vertices) {
       tables->single_handle_modes.push_back(1);
       for (Eigen::Index mode = 0; mode < r1; ++mode) {
         tables->single_handle_modes.push_back(static_cast<float>(modes(vertex, mode)));
       }
     }
+    AppendTransforms(basis->transforms, k, tables);
     for (const GroupTensors& group : *input.groups) {
       AppendGroup(group, modes, static_cast<Eigen::Index>(s), k, tables);
     }

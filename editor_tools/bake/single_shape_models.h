@@ -19,7 +19,8 @@ struct SingleShapeInput {
   const std::vector<int>* handle_vertices = nullptr;       // H
 };
 
-// Fills num_single_modes, single_handle_modes, single_edges and single_group_factors.
+// Fills num_single_modes, single_handle_modes, single_edges, single_group_factors and
+// single_mode_transforms.
 Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables);
 
 }  // namespace limber::bake

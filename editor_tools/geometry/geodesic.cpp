@@ -1,7 +1,10 @@
 #include "geometry/geodesic.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <queue>
@@ -55,6 +58,88 @@ Eigen::VectorXd EdgeGraph::Distances(std::span<const int> sources) const {
         distance(neighbour_[e]) = through;
         queue.emplace(through, neighbour_[e]);
       }
+    }
+  }
+  return distance;
+}
+
+namespace {
+
+// A path counts as shorter only from here on, so that rounding cannot keep the search busy.
+constexpr double kLeastGain = 1e-9;
+
+// Distance of a triangle's third corner, as the crow flies over side ab from a source whose
+// distances from a and b are known; infinite where that line passes beside ab.
+double ThroughSide(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                   double from_a, double from_b) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const double side = (b - a).norm();
+  if (!(side > 0) || !std::isfinite(from_a) || !std::isfinite(from_b)) return kNone;
+  // In the triangle's plane a is the origin, b on the x axis, c above and the source below it.
+  const double corner_x = (c - a).dot(b - a) / side;
+  const double corner_y = (b - a).cross(c - a).norm() / side;
+  const double source_x = (from_a * from_a - from_b * from_b + side * side) / (2 * side);
+  const double depth_squared = from_a * from_a - source_x * source_x;
+  if (!(depth_squared >= 0)) return kNone;
+  const double depth = std::sqrt(depth_squared);
+  const double height = depth + corner_y;
+  const double crossing = height > 0 ? source_x + (corner_x - source_x) * depth / height : source_x;
+  if (crossing < 0 || crossing > side) return kNone;
+  return std::hypot(corner_x - source_x, height);
+}
+
+}  // namespace
+
+SurfaceDistance::SurfaceDistance(const SolveMesh& mesh, int shape)
+    : mesh_(mesh),
+      points_(mesh.shapes[shape]),
+      first_(static_cast<size_t>(mesh.num_vertices()) + 1, 0),
+      fan_(3 * mesh.triangles.size()),
+      bridged_(static_cast<size_t>(mesh.num_vertices())) {
+  for (const auto& triangle : mesh.triangles) {
+    for (const int v : triangle)
+      ++first_[v + 1];
+  }
+  for (size_t v = 1; v < first_.size(); ++v)
+    first_[v] += first_[v - 1];
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const int v : mesh.triangles[t])
+      fan_[next[v]++] = static_cast<int>(t);
+  }
+  for (const Bridge& bridge : mesh.bridges) {
+    bridged_[bridge.a].push_back(bridge.b);
+    bridged_[bridge.b].push_back(bridge.a);
+  }
+}
+
+Eigen::VectorXd SurfaceDistance::From(int source) const {
+  Eigen::VectorXd distance =
+      Eigen::VectorXd::Constant(points_.rows(), std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  const auto reach = [&](int v, double through) {
+if (!(through < (1 - kLeastGain) * distance(v))) return;
+    distance(v) = through;
+    queue.emplace(through, v);
+  };
+  reach(source, 0);
+  while (!queue.empty()) {
+    const auto [reached, v] = queue.top();
+    queue.pop();
+    if (reached > distance(v)) continue;
+    const auto along = [&](int to) { return reached + (points_.row(v) - points_.row(to)).norm(); };
+    for (const int other : bridged_[v])
+      reach(other, along(other));
+    for (int i = first_[v]; i < first_[v + 1]; ++i) {
+      const std::array<int, 3>& triangle = mesh_.triangles[fan_[i]];
+      const auto at = std::find(triangle.begin(), triangle.end(), v) - triangle.begin();
+      const int b = triangle[(at + 1) % 3], c = triangle[(at + 2) % 3];
+      reach(b, along(b));
+      reach(c, along(c));
+      const Eigen::Vector3d pv = points_.row(v), pb = points_.row(b), pc = points_.row(c);
+      reach(c, ThroughSide(pv, pb, pc, reached, distance(b)));
+      reach(b, ThroughSide(pv, pc, pb, reached, distance(c)));
     }
   }
   return distance;

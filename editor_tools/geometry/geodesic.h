@@ -1,15 +1,18 @@
-// Distances along the edges of the surface, bridges included, on the first shape.
+// Distances along the surface, bridges included: over its edges, and over its triangles.
 #pragma once
 
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 
+#include <array>
 #include <span>
 #include <vector>
 
 namespace limber::geometry {
 
+// Shortest paths along edges, on the first shape: longer than those over the surface by up to a
+// sixth, more where triangles are long.
 class EdgeGraph {
  public:
   explicit EdgeGraph(const SolveMesh& mesh);
@@ -29,6 +32,28 @@ class EdgeGraph {
   std::vector<int> first_;  // V + 1 offsets into the two below
   std::vector<int> neighbour_;
   std::vector<double> length_;
+};
+
+// Lengths of shortest paths through the triangles of any one of the shapes. From the distances of
+// two corners the source is unfolded into the triangle's plane and gives the third corner's
+// (Novotni and Klein 2002, Computing geodesic distances on triangular meshes), until nothing
+// shortens. So lengths are those of straight lines where the way unfolds to a plane: on flat
+// pieces, cylinders and cones to rounding. Elsewhere the error shrinks with the triangles, as first
+// order in their size; TODO.
+class SurfaceDistance {
+ public:
+  // The mesh must outlive this; shape in [0, S).
+  SurfaceDistance(const SolveMesh& mesh, int shape);
+
+  // From one solve vertex to all, mesh units; infinite where no path leads. V.
+  Eigen::VectorXd From(int source) const;
+
+ private:
+  const SolveMesh& mesh_;
+  const PointMatrix& points_;
+  std::vector<int> first_;                 // V + 1 offsets into the next
+  std::vector<int> fan_;                   // triangles at each vertex, ascending
+  std::vector<std::vector<int>> bridged_;  // other ends of the bridges at each vertex
 };
 
 }  // namespace limber::geometry

@@ -26,8 +26,13 @@ const Json* FindExtension(const Json& object) {
   return it != extensions->end() && it->is_object() ? &*it : nullptr;
 }
 
-// The entry of "rigs", after the version was found to be one that this code reads.
-Result<const Json*> FindRig(const GltfFile& file, int index) {
+// The entry of "rigs", and the version, found to be one that this code reads.
+struct VersionedRig {
+  const Json* json = nullptr;
+  int version = 0;
+};
+
+Result<VersionedRig> FindRig(const GltfFile& file, int index) {
   const Json* extension = FindExtension(file.json());
   if (extension == nullptr) {
     return Error(StatusCode::kUnsupported,
@@ -39,9 +44,10 @@ Result<const Json*> FindRig(const GltfFile& file, int index) {
   if (version == extension->end() || !version->is_number_integer()) {
     return Status(StatusCode::kMalformed, place + ".version: it is missing or not an integer");
   }
-  if (*version != kRigFormatVersion) {
+  if (*version < kOldestRigFormatVersion || *version > kRigFormatVersion) {
     return Status(StatusCode::kVersionMismatch,
                   place + ".version: it is " + ShowJson(*version) + ", this Limber reads " +
+                      std::to_string(kOldestRigFormatVersion) + " to " +
                       std::to_string(kRigFormatVersion) +
                       "; update Limber, or bake the character again with this one");
   }
@@ -53,15 +59,15 @@ Result<const Json*> FindRig(const GltfFile& file, int index) {
     return Error(StatusCode::kInvalidArgument, "%s.rigs: rig %d is wanted, the file has %zu",
                  place.c_str(), index, rigs->size());
   }
-  return &(*rigs)[static_cast<size_t>(index)];
+  return VersionedRig{&(*rigs)[static_cast<size_t>(index)], version->get<int>()};
 }
 
 // Lets the numbers of each table follow the counts that the JSON declares.
-Status ReadTables(const GltfFile& file, RigJson* rig) {
+Status ReadTables(const GltfFile& file, int version, RigJson* rig) {
   Status status;
   VisitRigTables(rig->tables, [&](const char* name, std::vector<float>& table,
                                   const std::vector<int64_t>& shape) {
-    if (!status.ok()) return;
+    if (!status.ok() || version < FirstVersionOfTable(name)) return;
     int64_t count = 1;
     for (const int64_t size : shape)
       count *= size;
@@ -215,11 +221,12 @@ void CheckHandleNodes(const GltfFile& file, RigTables* tables) {
 }
 
 Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index) {
-  Result<const Json*> json = FindRig(file, rig_index);
-  if (!json.ok()) return json.status();
+  Result<VersionedRig> found = FindRig(file, rig_index);
+  if (!found.ok()) return found.status();
+  const Json& json = *found->json;
   const std::string place =
       std::string(kRigExtensionName) + ".rigs[" + std::to_string(rig_index) + "]";
-  Result<RigJson> rig = ReadRigJson(**json, file.limits());
+  Result<RigJson> rig = ReadRigJson(json, file.limits());
   if (!rig.ok()) return rig.status().WithContext(place);
   const int node = FindRigNode(file, rig_index);
   if (node < 0) {
@@ -236,7 +243,7 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
     return Status(mesh.status().code(), text.substr(text.rfind(name, 0) == 0 ? name.size() : 0));
   }
   LIMBER_RETURN_IF_ERROR(CheckMesh(*rig, *mesh));
-  LIMBER_RETURN_IF_ERROR(ReadTables(file, &*rig).WithContext(place));
+  LIMBER_RETURN_IF_ERROR(ReadTables(file, found->version, &*rig).WithContext(place));
   SkinMesh skin;
   skin.num_solve_vertices = rig->num_solve_vertices;
   skin.num_draw_vertices = mesh->num_vertices();
@@ -255,10 +262,9 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   }
   MoveSurface(rig->tables.space, &*mesh, &skin);
   CheckHandleNodes(file, &rig->tables);
-  const std::string name =
-      (*json)->is_object() && (*json)->contains("name") && (**json)["name"].is_string()
-          ? (**json)["name"].get<std::string>()
-          : mesh->name;
+  const std::string name = json.contains("name") && json["name"].is_string()
+                               ? json["name"].get<std::string>()
+                               : mesh->name;
   return Rig::Create(name, std::move(rig->tables), std::move(skin));
 }
 

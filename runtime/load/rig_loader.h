@@ -20,9 +20,9 @@ struct RigLoadOptions {
 };
 
 // Errors, each one line that begins with the file: those of GltfFile::Open and ReadMorphMesh;
-// kUnsupported (the file was not baked), kVersionMismatch (baked in a newer format), kMeshMismatch
-// (the mesh was changed after the bake), kMalformed and kLimitExceeded (a table, by name),
-// kOutOfMemory.
+// kUnsupported (the file was not baked), kVersionMismatch (baked in a newer format; every older one
+// is read), kMeshMismatch (the mesh was changed after the bake), kMalformed and kLimitExceeded (a
+// table, by name), kOutOfMemory.
 Result<std::shared_ptr<const Rig>> LoadRig(const std::filesystem::path& path,
                                            const RigLoadOptions& options = {});
 // From memory; a .glb, or a .gltf whose buffers are inside it. The bytes may go afterwards.

@@ -108,6 +108,13 @@ Status CheckHandles(const RigTables& tables, const SkinMesh& mesh) {
                "no handle is pinned, so nothing holds the character in place; pin at least one");
 }
 
+Status CheckReach(const std::vector<float>& reach) {
+  const auto bad = std::find_if(reach.begin(), reach.end(), [](float x) { return x < 0; });
+  if (bad == reach.end()) return {};
+  return Error(StatusCode::kMalformed, "handleReach: element %td is %g; expected zero or more",
+               bad - reach.begin(), static_cast<double>(*bad));
+}
+
 Status CheckTables(const RigTables& tables) {
   LIMBER_RETURN_IF_ERROR(Expect("dimension", tables.dimension, 2, 3));
   LIMBER_RETURN_IF_ERROR(Expect("number of handles", tables.num_handles(), 1, kMaxHandles));
@@ -124,13 +131,15 @@ Status CheckTables(const RigTables& tables) {
   VisitRigTables(tables, [&status](const char* name, const std::vector<float>& table,
                                    const std::vector<int64_t>& shape) {
     if (!status.ok()) return;
+    if (table.empty() && FirstVersionOfTable(name) > kOldestRigFormatVersion) return;
     int64_t expected = 1;
     for (int64_t length : shape)
       expected *= length;
     status = CheckSize(name, table.size(), static_cast<size_t>(expected));
     if (status.ok()) status = CheckFinite(name, table.data(), table.size());
   });
-  return status;
+  if (!status.ok()) return status;
+  return CheckReach(tables.handle_reach);
 }
 
 // Finite, and every row a partition of one: the character then moves with its handles as a whole.

@@ -14,9 +14,10 @@ namespace limber {
 class Rig {
  public:
   // Checks every size, index and number of both parts against each other and freezes them: all
-  // numbers finite, the weights of every vertex a sum of one (to within 1e-4). Errors: kMalformed,
-  // kNoHandles (none pinned), kDegenerate (no extent), kLimitExceeded, kOutOfMemory; the message
-  // names the table and the element, expected and found. `name` is for messages and logs.
+  // numbers finite, the weights of every vertex a sum of one (to within 1e-4), no reach negative.
+  // The tables that version 1 of the format had not may be empty. Errors: kMalformed, kNoHandles
+  // (none pinned), kDegenerate (no extent), kLimitExceeded, kOutOfMemory; the message names the
+  // table and the element, expected and found. `name` is for messages and logs.
   static Result<std::shared_ptr<const Rig>> Create(std::string name, RigTables tables,
                                                    SkinMesh mesh);
 

@@ -1,20 +1,28 @@
 // The one table of names and shapes that the reader and the writer of LIMBER_mesh_ik share.
-// To add a table to the format: add it to RigTables, add a line here, raise kRigFormatVersion.
+// To add a table to the format: add it to RigTables, add a line to VisitRigTables and one to
+// FirstVersionOfTable, raise kRigFormatVersion.
 #pragma once
 
 #include "rig/rig_tables.h"
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace limber {
 
 inline constexpr char kRigExtensionName[] = "LIMBER_mesh_ik";
-inline constexpr int kRigFormatVersion = 1;
+inline constexpr int kRigFormatVersion = 2;        // what is written
+inline constexpr int kOldestRigFormatVersion = 1;  // what is still read
 // Per-vertex data travels as vertex attributes, so that tools that re-index a mesh carry it along.
 inline constexpr char kWeightsAttributePrefix[] = "_LIMBER_WEIGHTS_";  // + 0, 1, ...: VEC4 floats
 inline constexpr char kWeldAttribute[] = "_LIMBER_WELD";      // SCALAR float: the solve vertex
 inline constexpr char kSourceAttribute[] = "_LIMBER_SOURCE";  // SCALAR float: written by `pack`
+
+// The version of the format that brought a table; in older files it is absent, and then empty.
+inline int FirstVersionOfTable(std::string_view name) {
+  return name == "singleModeTransforms" || name == "handleReach" ? 2 : 1;
+}
 
 // Calls visit(name, table, shape) for each float table; shape is the declared dimensions, whose
 // product is the element count. `Tables` is RigTables or const RigTables.
@@ -32,6 +40,8 @@ void VisitRigTables(Tables& t, Visitor&& visit) {
   visit("singleHandleModes", t.single_handle_modes, Shape{s, h, 1 + r1});
   visit("singleEdges", t.single_edges, Shape{s, g, k, r1});
   visit("singleGroupFactors", t.single_group_factors, Shape{s, g, m * (m + 1) / 2});
+  visit("singleModeTransforms", t.single_mode_transforms, Shape{s, h * (k + 1), 1 + r1});
+  visit("handleReach", t.handle_reach, Shape{h, h});
 }
 
 }  // namespace limber

@@ -67,11 +67,17 @@ struct RigTables {
   // One FAST model (Jacobson et al. 2012) for each example shape, of which D is made. With
   // m = r1 + k, the energy of group g is E_g = |U [z; -R^T]|^2, U upper triangular, packed by rows.
   std::vector<float> single_handle_modes;   // [S][H][1 + r1]
-  std::vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]: phi_0 | Phi_1 of theirs
   std::vector<float> single_edges;          // [S][G][k][r1]
   std::vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
-  std::vector<float> handle_reach;          // [H][H]: longest path over the surface between handles in any
-                                            // example, rig units; 0: no path
+
+  // Since version 2 of the format; each empty where the file is of version 1.
+  // The transforms of those models: phi_0 | Phi_1 as in mode_transforms, rows (h, i). A point with
+  // weights w and position p on shape s has the modes sum_hi w_h [p 1]_i row(s, h, i).
+  std::vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]
+  // How far apart two handles can be without stretching any example: the length of the shortest
+  // path over the surface between their vertices, the largest over the example shapes; symmetric,
+  // zero on the diagonal and where no path leads (no limit). As exact as geometry/geodesic.h says.
+  std::vector<float> handle_reach;  // [H][H], >= 0
 
   int num_handles() const { return static_cast<int>(handles.size()); }
 

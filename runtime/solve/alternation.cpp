@@ -74,7 +74,9 @@ Alternation<K>::Alternation(const PoseModel& model, size_t max_pins, size_t max_
       uniform_nearness_(uniform_blend_),
       uniform_rows_(goal_.size() * uniform_blend_.size()),
       nearness_step_(model, max_pins),
-      patch_turns_(max_turns, blend_.size()) {}
+      patch_turns_(max_turns, blend_.size()),
+      other_blend_(blend_),
+      other_rotations_(rotations_) {}
 
 template <int K>
 typename Alternation<K>::Rotation Alternation<K>::rotation(int block) const {
@@ -404,6 +406,24 @@ double Alternation<K>::NearnessBound(int block) const {
 template <int K>
 BlendWeightStep* Alternation<K>::convex_step() {
   return settings_.varying_blend ? &blend_step_ : &uniform_step_;
+}
+
+template <int K>
+const AlignedVector<double>& Alternation<K>::TransformsOf(const PoseModel& model,
+                                                          const AlignedVector<double>& blend,
+                                                          const AlignedVector<double>& rotations) {
+  const auto trade_places = [&] {
+    blend_.swap(other_blend_);
+    rotations_.swap(other_rotations_);
+    RotateLoads(model);
+    UpdateResidual(model);
+  };
+  std::copy(blend.begin(), blend.end(), other_blend_.begin());
+  std::copy(rotations.begin(), rotations.end(), other_rotations_.begin());
+  trade_places();
+  (void)Transforms(model);
+  trade_places();
+  return transforms_;
 }
 
 template class RotatedColumns<2>;

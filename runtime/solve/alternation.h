@@ -103,6 +103,11 @@ class Alternation {
   double ElasticEnergy(const PoseModel& model, double* nearness);
   // T^: [row chunk][K][8], valid until the next call.
   const AlignedVector<double>& Transforms(const PoseModel& model);
+  // The same with other blend weights and rotations, as the unknowns are laid out; held points meet
+  // their targets all the same. The unknowns stay.
+  const AlignedVector<double>& TransformsOf(const PoseModel& model,
+                                            const AlignedVector<double>& blend,
+                                            const AlignedVector<double>& rotations);
 
   AlignedVector<double> targets;  // X, [c][K], rig space, in the pin set's order
 
@@ -160,6 +165,8 @@ class Alternation {
   AlignedVector<double> uniform_blend_, uniform_nearness_, uniform_rows_;
   NearnessStep<K> nearness_step_;
   PatchTurns<K> patch_turns_;
+  AlignedVector<double> other_blend_,
+      other_rotations_;  // TransformsOf's, or the unknowns meanwhile
 };
 
 extern template class Alternation<2>;

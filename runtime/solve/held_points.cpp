@@ -100,6 +100,7 @@ Status NoSuchGrab(const Rig& rig, int grab) {
 HeldPoints::HeldPoints(const PoseModel& model, int grabs, int rotations)
     : dimension_(static_cast<size_t>(model.k)),
       handles_(model.rig->tables().handles.size()),
+      weights_(handles_.size()),
       turns_(static_cast<size_t>(rotations)),
       grabs_(static_cast<size_t>(grabs)),
       extra_rows_(*model.rig, turns_.size() * dimension_ + grabs_.size()),
@@ -107,6 +108,7 @@ HeldPoints::HeldPoints(const PoseModel& model, int grabs, int rotations)
       pins_(model.pins.get()) {
   holds_.reserve(own_pins_.capacity());
   turned_.reserve(turns_.size());
+  pinned_.reserve(handles_.size());
   Reset(model);
 }
 
@@ -116,6 +118,8 @@ void HeldPoints::Reset(const PoseModel& model) {
     handles_[h] = {handles[h].pinned, 0, handles[h].rest_position,
                    ToRigSpace(*model.rig, handles[h].rest_position)};
   }
+  std::fill(weights_.begin(), weights_.end(), 1.0);
+  pinned_.assign(model.pinned_handles.begin(), model.pinned_handles.end());
   std::fill(turns_.begin(), turns_.end(), Turn());
   std::fill(grabs_.begin(), grabs_.end(), Grabbed());
   is_changed_ = pins_ != model.pins.get();
@@ -169,6 +173,18 @@ Status HeldPoints::SetStiffness(const Rig& rig, int handle, float stiffness) {
   Point& point = handles_[static_cast<size_t>(handle)];
   is_changed_ |= point.compliance != Compliance(stiffness);
   point.compliance = Compliance(stiffness);
+  return {};
+}
+
+Status HeldPoints::SetWeight(const Rig& rig, int handle, float weight) {
+  LIMBER_RETURN_IF_ERROR(CheckHandle(rig, handle));
+  if (!(weight >= kSoftest && (weight <= kStiffest || weight == kHeldExactly))) {
+    return Error(StatusCode::kInvalidArgument,
+                 "%s: handle '%s': weight %g; expected %g to %g, or infinity not to give way",
+                 rig.name().c_str(), NameOf(rig, handle), static_cast<double>(weight),
+                 static_cast<double>(kSoftest), static_cast<double>(kStiffest));
+  }
+  weights_[static_cast<size_t>(handle)] = static_cast<double>(weight);
   return {};
 }
 
@@ -285,10 +301,22 @@ bool HeldPoints::holds_anything() const {
          std::any_of(grabs_.begin(), grabs_.end(), is_held);
 }
 
+bool HeldPoints::holds_points_exactly() const {
+  const auto is_soft = [](const Point& point) { return point.held && point.compliance != 0; };
+  const auto is_turned = [](const Turn& turn) { return turn.handle >= 0; };
+  return std::none_of(handles_.begin(), handles_.end(), is_soft) &&
+         std::none_of(grabs_.begin(), grabs_.end(), is_soft) &&
+         std::none_of(turns_.begin(), turns_.end(), is_turned);
+}
+
 const PinSet& HeldPoints::Pins(const PoseModel& model, bool* changed) {
   *changed = is_changed_;
   is_changed_ = false;
   if (!*changed) return *pins_;
+  pinned_.clear();
+  for (size_t h = 0; h < handles_.size(); ++h) {
+    if (handles_[h].held) pinned_.push_back(static_cast<int>(h));
+  }
   if (IsAsBaked(model.rig->tables())) {
     pins_ = model.pins.get();
     return *pins_;
@@ -316,12 +344,9 @@ const PinSet& HeldPoints::Pins(const PoseModel& model, bool* changed) {
 bool HeldPoints::IsAsBaked(const RigTables& tables) const {
   for (size_t h = 0; h < handles_.size(); ++h) {
     if (handles_[h].held != tables.handles[h].pinned) return false;
-    if (handles_[h].held && handles_[h].compliance != 0) return false;
   }
-  const auto is_turned = [](const Turn& turn) { return turn.handle >= 0; };
   const auto is_held = [](const Grabbed& grab) { return grab.held; };
-  return std::none_of(turns_.begin(), turns_.end(), is_turned) &&
-         std::none_of(grabs_.begin(), grabs_.end(), is_held);
+  return holds_points_exactly() && std::none_of(grabs_.begin(), grabs_.end(), is_held);
 }
 
 void HeldPoints::StoreTargets(double* targets, double* rotations) const {

@@ -30,6 +30,7 @@ class HeldPoints {
   Status Pin(const Rig& rig, int handle, Vec3 place);
   Status Unpin(const Rig& rig, int handle);
   Status SetStiffness(const Rig& rig, int handle, float stiffness);
+  Status SetWeight(const Rig& rig, int handle, float weight);
   Status SetRotation(const Rig& rig, int handle, Quaternion rotation, float stiffness);
   Status ClearRotation(const Rig& rig, int handle);
   Result<int> Grab(const Rig& rig, const SkinPoint& point, Vec3 place, float stiffness);
@@ -49,6 +50,14 @@ class HeldPoints {
   // the axes of the handles that are turned (left alone), then the grabs. And the rotations that
   // these are turned to, [turns][k][k] row-major.
   void StoreTargets(double* targets, double* rotations) const;
+
+  // False: something is turned, or held softly.
+  bool holds_points_exactly() const;
+
+  // Those that are pinned, ascending, as of the last Pins; their positions are the first rows.
+  std::span<const int> pinned() const { return pinned_; }
+
+  const double* weights() const { return weights_.data(); }  // [H], of SetWeight
 
   // The largest c there can be.
   size_t capacity() const { return own_pins_.capacity(); }
@@ -84,6 +93,8 @@ class HeldPoints {
 
   size_t dimension_;
   std::vector<Point> handles_;
+  std::vector<double> weights_;  // [H]
+  std::vector<int> pinned_;
   std::vector<Turn> turns_;
   std::vector<Grabbed> grabs_;
   HeldRowTable extra_rows_;  // of the turns, then of the grabs

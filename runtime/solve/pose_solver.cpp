@@ -3,8 +3,6 @@
 #include "core/out_of_memory.h"
 #include "solve/pose_state_impl.h"
 
-#include <variant>
-
 namespace limber {
 namespace {
 
@@ -68,6 +66,10 @@ Status PoseState::SetStiffness(int handle, float stiffness) {
   return impl_->held.SetStiffness(rig(), handle, stiffness);
 }
 
+Status PoseState::SetWeight(int handle, float weight) {
+  return impl_->held.SetWeight(rig(), handle, weight);
+}
+
 Status PoseState::SetRotation(int handle, Quaternion rotation, float stiffness) {
   return impl_->held.SetRotation(rig(), handle, rotation, stiffness);
 }
@@ -107,12 +109,7 @@ SkinTransforms PoseState::transforms() const {
 }
 
 std::span<const double> PoseState::blend_weights() const {
-  const auto count = static_cast<size_t>(impl_->model->num_blocks);
-  return std::visit(
-      [count](const auto& unknowns) {
-        return std::span<const double>(unknowns.blend().data(), count);
-      },
-      impl_->alternation);
+  return {impl_->blend().data(), static_cast<size_t>(impl_->model->num_blocks)};
 }
 
 }  // namespace limber

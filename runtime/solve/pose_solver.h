@@ -33,6 +33,21 @@ struct PoseOptions {
   bool varying_blend = true;  // false: the same blend weights in all edge groups
   // Stop before `iterations` once an alternation's change (below) is at most this; 0: never.
   double settle_tolerance = 0;
+  // The guaranteed mode (the paper's appendix A, trust_region.h): with rotations the plain
+  // alternation may increase the energy or never rest; this one, while targets stay, never
+  // increases it and rests only where nothing decreases it. Some three times the cost. Needs
+  // PoseRoom::guaranteed; points held exactly only, no smoothing.
+  bool guaranteed = false;
+  // No two pinned handles are further apart than this times the longest path over the skin between
+  // them in any example: targets that ask for more give way (stretch_limit.h), each by its weight
+  // (SetWeight). 0: no limit; 1: a straight limb is as long as it gets.
+  double stretch_limit = 0;
+  // Above 0: what is shown follows the solution smoothly in time (motion_smoother.h), with two
+  // continuous derivatives where the solution is continuous, whatever the frame rate; held points
+  // still meet their targets, and at rest it is the solution exactly. Seconds of lag (0.05 is
+  // brisk), and seconds since the last call. For the same motion at any frame rate let each call
+  // settle, too.
+  double smoothing = 0, time_step = 0;
   // Seconds after which no further alternation is begun; the first is always done. 0: no limit.
   // With one, results depend on how fast the machine is at the moment.
   double time_budget = 0;
@@ -40,25 +55,32 @@ struct PoseOptions {
 };
 
 struct PoseReport {
-  double energy = 0;     // eq. 10, in mesh units (of the cotangent-weighted edges); without roots
-                         // its square's units
-  double elastic = 0;    // the square root of E_d (eq. 9)
-  int iterations = 0;    // alternations done
-  double change = 0;     // largest change of a blend weight or of a rotation in use
-  bool settled = false;  // a tolerance was given and change <= settle_tolerance
+  double energy = 0;   // eq. 10, in mesh units (of the cotangent-weighted edges); without roots
+                       // its square's units
+  double elastic = 0;  // the square root of E_d (eq. 9)
+  int iterations = 0;  // alternations done
+  double change = 0;   // largest change of a blend weight or of a rotation in use
+  // A tolerance was given and change <= settle_tolerance; in the guaranteed mode also where nothing
+  // decreases the energy any more.
+  bool settled = false;
   bool out_of_time = false;  // the time budget ended it: neither settled nor all iterations done
   double optimality = 0;  // largest violated multiplier of the convex step, of its largest gradient
   bool optimal = true;    // the convex step reached its optimum (optimality is zero)
-  int used_weights = 0;   // blend weights that the convex step worked with, of G*S
-  StageTimes stages;      // where measure_stages asks for it, else zero
+  int rejected = 0;       // guaranteed mode: steps that were tried in vain
+  int pairs_at_limit = 0;     // pairs of handles that the stretch limit holds back
+  double excess_stretch = 0;  // left where handles that do not give way are too far apart
+  bool at_rest = true;        // false: smoothing, and what is shown is still on its way
+  int used_weights = 0;       // blend weights that the convex step worked with, of G*S
+  StageTimes stages;          // where measure_stages asks for it, else zero
 };
 
-// Room that a state is created with: how many points of the skin may be grabbed at once, and how
-// many handles may have a target rotation. Each row of room (one for a grab, k for a rotation)
-// takes some 8 (n + 3 G S k) bytes.
+// Room that a state is created with: how many points of the skin may be grabbed at once, how many
+// handles may have a target rotation, and whether for the guaranteed mode. Each row of room (one
+// for a grab, k for a rotation) takes some 8 (n + 3 G S k) bytes.
 struct PoseRoom {
   int grabs = 4;
   int rotations = 4;
+  bool guaranteed = false;
 };
 
 // A stiffness that holds exactly.
@@ -102,6 +124,10 @@ class PoseState {
   // stretched along its side, 100 is nearly exact. 1e-6 to 1e9, or kHeldExactly.
   Status SetStiffness(int handle, float stiffness);
 
+  // How little a handle's target gives way to PoseOptions::stretch_limit, beside the others' (1 at
+  // first): 1e-6 to 1e9, or infinity not at all.
+  Status SetWeight(int handle, float weight);
+
   // Turns the patch of skin that follows the handle most, against the first example, to this
   // rotation (mesh space; any length but zero; in the plane only the part about its normal counts).
   // Only the orientation is asked for: examples that stretch or bend the patch stay free to. The
@@ -126,7 +152,8 @@ class PoseState {
   // kInvalidArgument (options out of range), kUnsupported (rotations of a rig baked without).
   Status Solve(const PoseOptions& options, PoseReport* report);
 
-  // Results of the last Solve, or of the rest pose: owned by the state, valid until its next call.
+  // Results of the last Solve (smoothed, where that was asked for), or of the rest pose: owned by
+  // the state, valid until its next call.
   SkinTransforms transforms() const;
   std::span<const double> blend_weights() const;  // B, [G][S]
 

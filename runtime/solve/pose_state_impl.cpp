@@ -59,12 +59,19 @@ void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transform
   }
 }
 
+std::variant<Unknowns<2>, Unknowns<3>> MakeUnknowns(const PoseModel& model, const HeldPoints& held,
+                                                    bool guaranteed) {
+  if (model.k == 2) return Unknowns<2>(model, held, guaranteed);
+  return Unknowns<3>(model, held, guaranteed);
+}
+
 }  // namespace
 
 PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom room)
     : model(std::move(shared_model)),
       held(*model, room.grabs, room.rotations),
-      alternation(MakeAlternation(*model, held)) {
+      unknowns_(MakeUnknowns(*model, held, room.guaranteed)),
+      stretch_limit_(model->rig->tables().handles.size()) {
   const RigTables& tables = model->rig->tables();
   matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
   ResetToRest();
@@ -72,13 +79,16 @@ PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom ro
 
 void PoseState::Impl::ResetToRest() {
   held.Reset(*model);
+  is_smoothed_ = false;
   std::visit(
       [this](auto& unknowns) {
-        unknowns.UsePins(*model, *model->pins);
-        held.StoreTargets(unknowns.targets.data(), unknowns.turn_targets().data());
-        unknowns.ResetToRest(*model);
+        unknowns.alternation.UsePins(*model, *model->pins);
+        held.StoreTargets(unknowns.alternation.targets.data(),
+                          unknowns.alternation.turn_targets().data());
+        unknowns.alternation.ResetToRest(*model);
+        if (unknowns.guarded != nullptr) unknowns.guarded->Forget();
       },
-      alternation);
+      unknowns_);
   PoseOptions settle;
   settle.iterations = kRestIterations;
   settle.settle_tolerance = kRestTolerance;
@@ -89,25 +99,51 @@ void PoseState::Impl::ResetToRest() {
 
 Status PoseState::Impl::Check(const PoseOptions& options) const {
   const char* name = model->rig->name().c_str();
-  if (options.iterations < 1 || options.iterations > kMaxIterations || !(options.lambda >= 0) ||
-      !std::isfinite(options.lambda) || !(options.settle_tolerance >= 0) ||
-      !(options.time_budget >= 0)) {
+  const auto refuse = [name](StatusCode code, const char* reason) {
+    return Error(code, "%s: %s", name, reason);
+  };
+  const double numbers[] = {static_cast<double>(options.lambda),
+                            options.settle_tolerance,
+                            options.time_budget,
+                            options.stretch_limit,
+                            options.smoothing,
+                            options.time_step};
+  const bool sound = std::all_of(std::begin(numbers), std::end(numbers),
+                                 [](double x) { return x >= 0 && std::isfinite(x); });
+  if (!sound || options.iterations < 1 || options.iterations > kMaxIterations) {
     return Error(
         StatusCode::kInvalidArgument,
-        "%s: iterations %d, lambda %g, tolerance %g, time budget %g; expected at least one "
-        "iteration and finite numbers of zero or more",
-        name, options.iterations, static_cast<double>(options.lambda), options.settle_tolerance,
-        options.time_budget);
+        "%s: iterations %d, lambda %g, tolerance %g, time budget %g, stretch limit %g, "
+        "smoothing %g, time step %g; expected at least one iteration and finite numbers of "
+        "zero or more",
+        name, options.iterations, numbers[0], numbers[1], numbers[2], numbers[3], numbers[4],
+        numbers[5]);
   }
-  if (options.rotations && !model->rig->tables().has_rotations) {
-    return Error(StatusCode::kUnsupported,
-                 "%s: baked without rotations; solve without them or bake again", name);
+  const RigTables& tables = model->rig->tables();
+  if (options.rotations && !tables.has_rotations) {
+    return refuse(StatusCode::kUnsupported,
+                  "baked without rotations; solve without them or bake again");
+  }
+  if (options.stretch_limit > 0 && tables.handle_reach.empty()) {
+    return refuse(StatusCode::kUnsupported,
+                  "baked in format version 1, which has no reach for a stretch limit; bake again");
   }
   if (!held.holds_anything()) {
-    return Error(StatusCode::kNoHandles,
-                 "%s: nothing is held, so the character could be anywhere; pin a handle or grab "
-                 "the skin",
-                 name);
+    return refuse(StatusCode::kNoHandles,
+                  "nothing is held, so the character could be anywhere; pin a handle or grab the "
+                  "skin");
+  }
+  if (!options.guaranteed) return {};
+  const bool has_room =
+      std::visit([](const auto& unknowns) { return unknowns.guarded != nullptr; }, unknowns_);
+  if (!has_room) {
+    return refuse(StatusCode::kInvalidArgument,
+                  "the guaranteed mode needs room; create the state with PoseRoom::guaranteed");
+  }
+  if (options.smoothing > 0 || !held.holds_points_exactly()) {
+    return refuse(StatusCode::kUnsupported,
+                  "the guaranteed mode takes points that are held exactly, and no smoothing; clear "
+                  "rotations and stiffnesses, or solve plainly");
   }
   return {};
 }
@@ -115,25 +151,47 @@ Status PoseState::Impl::Check(const PoseOptions& options) const {
 Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
   LIMBER_RETURN_IF_ERROR(Check(options));
   PoseReport result;
-  bool pins_changed = false;
-  const PinSet& pins = held.Pins(*model, &pins_changed);
   std::visit(
       [&](auto& unknowns) {
-        if (pins_changed) unknowns.UsePins(*model, pins);
-        held.StoreTargets(unknowns.targets.data(), unknowns.turn_targets().data());
+        if (options.smoothing > 0 && !is_smoothed_) {
+          unknowns.smoother.Reset(unknowns.alternation.blend(), unknowns.alternation.rotations());
+        }
+        SetTargets(options, &unknowns, &result);
         Alternate(options, &unknowns, &result);
         if (report != nullptr) ReportEnergy(options, &unknowns, &result);
+        StageWatch watch(options.measure_stages ? &result.stages : nullptr);
+        Show(options, &unknowns, &result);
+        watch.Lap(&StageTimes::transforms);
       },
-      alternation);
-  StageWatch watch(options.measure_stages ? &result.stages : nullptr);
-  UpdateMatrices();
-  watch.Lap(&StageTimes::transforms);
+      unknowns_);
   if (report != nullptr) *report = result;
   return {};
 }
 
 template <int K>
-void PoseState::Impl::Alternate(const PoseOptions& options, Alternation<K>* unknowns,
+void PoseState::Impl::SetTargets(const PoseOptions& options, Unknowns<K>* unknowns,
+                                 PoseReport* report) {
+  Alternation<K>& alternation = unknowns->alternation;
+  bool pins_changed = false;
+  const PinSet& pins = held.Pins(*model, &pins_changed);
+  if (pins_changed) alternation.UsePins(*model, pins);
+  if (pins_changed && unknowns->guarded != nullptr) unknowns->guarded->Forget();
+  held.StoreTargets(alternation.targets.data(), alternation.turn_targets().data());
+  if (options.stretch_limit == 0) return;
+  StretchLimit::Problem problem;
+  problem.dimension = K;
+  problem.handles = held.pinned();
+  problem.reach = model->rig->tables().handle_reach.data();
+  problem.num_handles = model->rig->tables().handles.size();
+  problem.weights = held.weights();
+  problem.limit = options.stretch_limit;
+  const StretchLimit::Outcome outcome = stretch_limit_.Project(problem, alternation.targets.data());
+  report->pairs_at_limit = outcome.pairs_at_limit;
+  report->excess_stretch = outcome.is_feasible ? 0 : outcome.violation;
+}
+
+template <int K>
+void PoseState::Impl::Alternate(const PoseOptions& options, Unknowns<K>* unknowns,
                                 PoseReport* report) const {
   StageTimes* const stages = options.measure_stages ? &report->stages : nullptr;
   const typename Alternation<K>::Settings settings{static_cast<double>(options.lambda),
@@ -145,36 +203,68 @@ void PoseState::Impl::Alternate(const PoseOptions& options, Alternation<K>* unkn
       report->out_of_time = true;
       break;
     }
-    const auto outcome = unknowns->Run(*model, settings);
     ++report->iterations;
-    report->change = outcome.change;
-    report->optimality = outcome.convex.violation;
-    report->optimal = outcome.convex.converged || model->num_shapes == 1;
-    report->used_weights = outcome.convex.used;
+    BlendReport convex;
+    bool has_moved = true;  // false: a step that was not taken
+    if (options.guaranteed) {
+      const auto outcome = unknowns->guarded->Run(*model, settings, &unknowns->alternation);
+      convex = outcome.convex;
+      report->change = outcome.change;
+      report->rejected += outcome.rejected;
+      report->settled = outcome.settled;
+      has_moved = outcome.accepted;
+    } else {
+      const auto outcome = unknowns->alternation.Run(*model, settings);
+      convex = outcome.convex;
+      report->change = outcome.change;
+    }
+    report->optimality = convex.violation;
+    report->optimal = convex.converged || model->num_shapes == 1;
+    report->used_weights = convex.used;
     // The first alternation of a call still has last call's rotations in front of it.
-    report->settled = options.settle_tolerance > 0 && report->iterations > 1 &&
-                      report->change <= options.settle_tolerance;
+    report->settled |= has_moved && options.settle_tolerance > 0 && report->iterations > 1 &&
+                       report->change <= options.settle_tolerance;
   }
 }
 
 template <int K>
-void PoseState::Impl::ReportEnergy(const PoseOptions& options, Alternation<K>* unknowns,
+void PoseState::Impl::ReportEnergy(const PoseOptions& options, Unknowns<K>* unknowns,
                                    PoseReport* report) const {
-  double nearness = 0;
+  double nearness = options.guaranteed ? unknowns->guarded->nearness() : 0;
   const double scale = static_cast<double>(model->rig->tables().space.scale);
-  const double elastic = unknowns->ElasticEnergy(*model, &nearness);
+  const double elastic = options.guaranteed
+                             ? unknowns->guarded->elastic()
+                             : unknowns->alternation.ElasticEnergy(*model, &nearness);
   report->elastic = scale * std::sqrt(elastic);
   report->energy = options.square_roots ? report->elastic + scale * nearness
                                         : scale * scale * (elastic + nearness);
 }
 
-void PoseState::Impl::UpdateMatrices() {
-  const RigSpace& space = model->rig->tables().space;
-  if (model->k == 2) {
-    StoreMatrices<2>(space, std::get<Alternation<2>>(alternation).Transforms(*model), &matrices);
+// The skinning matrices of the solution, or of what follows it smoothly.
+template <int K>
+void PoseState::Impl::Show(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report) {
+  Alternation<K>& alternation = unknowns->alternation;
+  MotionSmoother<K>& smoother = unknowns->smoother;
+  is_smoothed_ = options.smoothing > 0;
+  report->at_rest = !is_smoothed_ || smoother.Advance(alternation.blend(), alternation.rotations(),
+                                                      options.smoothing, options.time_step);
+  const AlignedVector<double>* transforms = nullptr;
+  if (options.guaranteed) {
+    transforms = &unknowns->guarded->Transforms(*model);
+  } else if (!report->at_rest) {
+    transforms = &alternation.TransformsOf(*model, smoother.blend(), smoother.rotations());
   } else {
-    StoreMatrices<3>(space, std::get<Alternation<3>>(alternation).Transforms(*model), &matrices);
+    transforms = &alternation.Transforms(*model);
   }
+  StoreMatrices<K>(model->rig->tables().space, *transforms, &matrices);
+}
+
+const AlignedVector<double>& PoseState::Impl::blend() const {
+  return std::visit(
+      [this](const auto& unknowns) -> const AlignedVector<double>& {
+        return is_smoothed_ ? unknowns.smoother.blend() : unknowns.alternation.blend();
+      },
+      unknowns_);
 }
 
 // Eq. 6 at one point, from the matrices that skinning uses.

@@ -15,12 +15,14 @@ namespace {
 const std::filesystem::path kContent = std::filesystem::path(LIMBER_SOURCE_DIR) / "content";
 
 TEST(BakedVersions, EachVersionsFile_LoadsAndDeforms) {
-  for (int version = 1; version <= kRigFormatVersion; ++version) {
+  for (int version = kOldestRigFormatVersion; version <= kRigFormatVersion; ++version) {
     std::string folder = "v";
     folder += std::to_string(version);
     const auto file = kContent / "baked" / folder / "square.glb";
     Result<std::shared_ptr<const Rig>> rig = LoadRig(file);
     ASSERT_TRUE(rig.ok()) << rig.status().message();
+    EXPECT_EQ((*rig)->tables().handle_reach.empty(), version < 2);
+    EXPECT_EQ((*rig)->tables().single_mode_transforms.empty(), version < 2);
     Result<PoseState> state = PoseState::Create(*rig);
     ASSERT_TRUE(state.ok()) << state.status().message();
     // Half way between the square and the puffed shape, as when it was baked.

@@ -115,6 +115,20 @@ Eigen::MatrixXd Skinned(const Reduced& r, const Eigen::MatrixXd& z) {
   return tensors.skinning * phi.rightCols(r.tables.num_modes).cast<double>() * z;
 }
 
+// Energy of group g in shape s's own model, |U [z; -R^T]|^2.
+double SingleGroupEnergy(const RigTables& t, int s, int g, const Eigen::MatrixXd& z,
+                         const Eigen::MatrixXd& rotation) {
+  const int m = t.num_single_modes + t.dimension;
+  const float* packed = t.single_group_factors.data() + (s * t.num_groups + g) * m * (m + 1) / 2;
+  Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(m, m), stacked(m, t.dimension);
+  for (int row = 0; row < m; ++row) {
+    for (int column = row; column < m; ++column)
+      factor(row, column) = *packed++;
+  }
+  stacked << z, -rotation.transpose();
+  return (factor * stacked).squaredNorm();
+}
+
 class ReduceTest : public testing::TestWithParam<std::tuple<bool, bool>> {
  protected:
   Reduced MakeCharacter() const {
@@ -184,7 +198,7 @@ TEST_P(ReduceTest, HandleModes_GiveTheHandlesPositions) {
 
 TEST_P(ReduceTest, SingleGroupFactors_GiveEachGroupsEnergyOfTheFullMesh) {
   const Reduced r = MakeCharacter();
-  const int k = r.tables.dimension, r1 = r.tables.num_single_modes, m = r1 + k;
+  const int k = r.tables.dimension, r1 = r.tables.num_single_modes;
   for (int s = 0; s < r.tables.num_shapes(); ++s) {
     // A rigidly moved shape, so that the answer is known: R = motion gives zero, the identity not.
     const deform::ExampleState state = RandomState(r, true, 3);
@@ -198,21 +212,44 @@ TEST_P(ReduceTest, SingleGroupFactors_GiveEachGroupsEnergyOfTheFullMesh) {
       z += edges.cast<double>().transpose() * motion.transpose();
     }
     for (int g = 0; g < r.tables.num_groups; ++g) {
-      const float* packed =
-          r.tables.single_group_factors.data() + (s * r.tables.num_groups + g) * m * (m + 1) / 2;
-      Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(m, m);
-      for (int row = 0; row < m; ++row) {
-        for (int column = row; column < m; ++column)
-          factor(row, column) = *packed++;
-      }
       for (const Eigen::MatrixXd& rotation :
            {motion, Eigen::MatrixXd(Eigen::MatrixXd::Identity(k, k))}) {
-        Eigen::MatrixXd stacked(m, k);
-        stacked << z, -rotation.transpose();
         const double full =
             deform::GroupEnergy(r.shapes[static_cast<size_t>(s)], r.edges, g, q, rotation);
-        EXPECT_NEAR((factor * stacked).squaredNorm(), full, 1e-5 * full + 1e-10);
+        EXPECT_NEAR(SingleGroupEnergy(r.tables, s, g, z, rotation), full, 1e-5 * full + 1e-10);
       }
+    }
+  }
+}
+
+// The row of M_s at any vertex, times the transforms, is the mode field there: in the handles'
+// vertices what single_handle_modes says, and all rows together give the shape's own edges.
+TEST_P(ReduceTest, SingleModeTransforms_GiveTheModesAnywhere) {
+  const Reduced r = MakeCharacter();
+  const RigTables& t = r.tables;
+  const Eigen::Index r1 = t.num_single_modes, rows = t.num_handles() * (t.dimension + 1);
+  for (int s = 0; s < t.num_shapes(); ++s) {
+    const Table transforms(t.single_mode_transforms.data() + s * rows * (1 + r1), rows, 1 + r1);
+    const Table handles(t.single_handle_modes.data() + s * t.num_handles() * (1 + r1),
+                        t.num_handles(), 1 + r1);
+    const std::vector<Eigen::MatrixXd> shape = {r.shapes[static_cast<size_t>(s)]};
+    const Eigen::MatrixXd skinning = deform::BuildPaperTensors(shape, r.weights, {}, 1).skinning;
+    const Eigen::MatrixXd fields = skinning * transforms.cast<double>();
+    EXPECT_LT((fields.col(0).array() - 1).abs().maxCoeff(), 1e-6)
+        << "a translation moves all alike";
+    for (int h = 0; h < t.num_handles(); ++h) {
+      const Eigen::RowVectorXd known = handles.row(h).cast<double>();
+      EXPECT_LT((fields.row(r.handle_vertices[static_cast<size_t>(h)]) - known).norm(),
+                1e-5 * known.norm());
+    }
+    // Elsewhere: the energy of a group by way of these fields is that of its factor.
+    const Eigen::MatrixXd z = Eigen::MatrixXd::Random(r1, t.dimension);
+    const Eigen::MatrixXd q = fields.rightCols(r1) * z;
+    const deform::ExampleState state = RandomState(r, true, 5);
+    for (int g = 0; g < t.num_groups; ++g) {
+      const Eigen::MatrixXd& rotation = state.rotations[static_cast<size_t>(g)];
+      const double full = deform::GroupEnergy(shape[0], r.edges, g, q, rotation);
+      EXPECT_NEAR(SingleGroupEnergy(t, s, g, z, rotation), full, 1e-5 * full + 1e-10);
     }
   }
 }

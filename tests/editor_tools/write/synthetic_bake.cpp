@@ -6,6 +6,7 @@
 #include "rig/rig_fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -255,6 +256,8 @@ bake::BakedCharacter MakeSyntheticBake(const bake::RawCharacter& raw,
           count *= size;
         table = RandomNumbers(count, &random);
       });
+  for (float& length : tables.handle_reach)
+    length = std::abs(length);
   const auto num_handles = static_cast<size_t>(options.num_handles);
   mesh.weights = RandomNumbers(int64_t{mesh.num_solve_vertices} * options.num_handles, &random);
   for (size_t v = 0; v < mesh.num_solve_vertices; ++v) {

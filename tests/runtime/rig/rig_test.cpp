@@ -22,7 +22,7 @@ struct Parts {
 };
 
 Parts GoodParts() {
-  const auto rig = LoadRig(LIMBER_SOURCE_DIR "/content/baked/v1/square.glb");
+  const auto rig = LoadRig(LIMBER_SOURCE_DIR "/content/baked/v2/square.glb");
   EXPECT_TRUE(rig.ok()) << rig.status().message();
   return rig.ok() ? Parts{(*rig)->tables(), (*rig)->mesh()} : Parts{};
 }
@@ -53,6 +53,9 @@ TEST(Rig, EachNumberThatIsNotFinite_IsRefusedWithItsPlace) {
       {"texture coordinates: vertex 4, component 1",
        [](Parts* p) { return &p->mesh.texcoords[9]; }},
       {"modeTransforms: element 6", [](Parts* p) { return &p->tables.mode_transforms[6]; }},
+      {"singleModeTransforms: element 11",
+       [](Parts* p) { return &p->tables.single_mode_transforms[11]; }},
+      {"handleReach: element 7", [](Parts* p) { return &p->tables.handle_reach[7]; }},
       {"handle \"centre\"", [](Parts* p) { return &p->tables.handles[1].rest_position.y; }},
       {"space origin: element 2", [](Parts* p) { return &p->tables.space.origin[2]; }},
   };
@@ -64,6 +67,26 @@ TEST(Rig, EachNumberThatIsNotFinite_IsRefusedWithItsPlace) {
           << c.place << " in: " << status.message();
     }
   }
+}
+
+TEST(Rig, TablesOfVersionTwo_MayBeEmptyButNotOfTheWrongSize) {
+  EXPECT_TRUE(CreateWith([](Parts* p) {
+                p->tables.handle_reach.clear();
+                p->tables.single_mode_transforms.clear();
+              }).ok());
+  const std::string short_reach =
+      CreateWith([](Parts* p) { p->tables.handle_reach.pop_back(); }).message();
+  EXPECT_EQ(short_reach, "bent: handleReach: has 8 elements; expected 9");
+  const std::string long_transforms =
+      CreateWith([](Parts* p) { p->tables.single_mode_transforms.push_back(0); }).message();
+  EXPECT_EQ(long_transforms.rfind("bent: singleModeTransforms: has ", 0), 0u) << long_transforms;
+  EXPECT_FALSE(CreateWith([](Parts* p) { p->tables.single_edges.clear(); }).ok());
+}
+
+TEST(Rig, NegativeReach_IsRefusedByElement) {
+  const Status status = CreateWith([](Parts* p) { p->tables.handle_reach[5] = -0.25f; });
+  EXPECT_EQ(status.code(), StatusCode::kMalformed);
+  EXPECT_EQ(status.message(), "bent: handleReach: element 5 is -0.25; expected zero or more");
 }
 
 TEST(Rig, WeightsThatDoNotSumToOne_AreRefusedByVertex) {
