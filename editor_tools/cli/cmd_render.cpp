@@ -61,7 +61,7 @@ std::vector<viewer::HandleDot> Dots(const PoseState& state) {
 Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& options,
                                viewer::HeadlessRenderer* renderer, OutputFolder* output,
                                ProgressBar* progress) {
-  Result<PoseState> state = CreateState(run.rig);
+  Result<PoseState> state = CreateState(run.rig, options);
   if (!state.ok()) return state.status();
   viewer::OrbitCamera camera = renderer->DefaultCamera();
   constexpr float kRadians = std::numbers::pi_v<float> / 180;

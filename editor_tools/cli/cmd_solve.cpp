@@ -25,14 +25,16 @@ constexpr char kReportName[] = "solve.json";
 
 constexpr char kFooter[] = R"(Writes DIR/frame_0000.obj, frame_0001.obj, ... and DIR/solve.json:
   {"frames":[{"positions":"frame_0000.obj","blend_weights":[[per shape], ... per edge group],
-              "energy":e,"iterations":n,"seconds":t}]}
+              "energy":e,"iterations":n,"settled":true or false,"change":c,"optimality":o,
+              "seconds":t}]}
 The meshes have the vertices and faces of the source, in the source's order. "seconds" is the time
-of the solve alone. frames.json holds targets in the mesh's own space:
+of the solve alone; "change" that of the last alternation, "optimality" what the blend weights lack
+to their optimum (0: nothing). frames.json holds targets in the mesh's own space:
   {"frames":[{"targets":{"hand":[0.1,1.2,0.3],"foot":[0,0,0]}},{"targets":{"hand":[0.2,1.2,0.3]}}]}
 A handle that a frame leaves out keeps its last target; before the first one it rests. Frames follow
 each other: each starts from the result of the one before. Beside "targets" a frame may say
-  "pinned":{"foot":false}           let go of a handle, or hold one where it is
-  "stiffness":{"hand":5}            pull softly (null: exactly)
+  "pinned":{"foot":false}             let go of a handle, or hold one where it is
+  "stiffness":{"hand":5}              pull softly (null: exactly)
   "rotations":{"hand":[0,0,0.4,0.9]}  turn the skin around a handle (x, y, z, w; null: let it be)
 
 Examples:
@@ -68,6 +70,9 @@ Json FrameJson(const std::string& positions, const FrameResult& result, const Po
           {"blend_weights", groups},
           {"energy", result.report.energy},
           {"iterations", result.report.iterations},
+          {"settled", result.report.settled},
+          {"change", result.report.change},
+          {"optimality", result.report.optimality},
           {"seconds", result.seconds}};
 }
 
@@ -79,7 +84,7 @@ struct Solved {
 Result<Solved> SolveFrames(const PoseRun& run, const PoseRunOptions& options,
                            const bake::SourceFaces& faces, OutputFolder* output,
                            ProgressBar* progress) {
-  Result<PoseState> state = CreateState(run.rig);
+  Result<PoseState> state = CreateState(run.rig, options);
   if (!state.ok()) return state.status();
   Result<CpuSkinner> skinner = CpuSkinner::Create(run.rig->mesh(), run.rig->tables().space);
   if (!skinner.ok()) return skinner.status();

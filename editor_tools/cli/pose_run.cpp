@@ -68,6 +68,20 @@ void PoseRunOptions::AddTo(CLI::App* app) {
   app->add_flag("--no-roots", no_roots,
                 "Energies in place of their square roots: softer transitions between examples");
   app->add_flag("--settle", settle, "Go on in each frame until nothing moves any more");
+  app->add_flag("--guaranteed", guaranteed,
+                "The mode whose energy never increases while targets stay (slower)");
+  app->add_option("--stretch-limit", stretch_limit,
+                  "Keep handles within X times the longest way between them over the skin in any "
+                  "example (default: no limit)")
+      ->check(CLI::Range(0.01, 1e6))
+      ->option_text("X");
+  app->add_option("--smoothing", smoothing,
+                  "Let the character follow smoothly, with a lag of so many seconds (default 0)")
+      ->check(CLI::Range(0.0, 1e3))
+      ->option_text("S");
+  app->add_option("--rate", rate, "Frames a second, for --smoothing (default 60)")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->option_text("HZ");
 }
 
 PoseOptions PoseRunOptions::ForSolver(const Rig& rig) const {
@@ -78,6 +92,10 @@ PoseOptions PoseRunOptions::ForSolver(const Rig& rig) const {
   pose.varying_blend = !uniform;
   pose.square_roots = !no_roots;
   pose.settle_tolerance = settle ? kSettleTolerance : 0;
+  pose.guaranteed = guaranteed;
+  pose.stretch_limit = stretch_limit;
+  pose.smoothing = smoothing;
+  pose.time_step = 1 / rate;
   return pose;
 }
 
@@ -104,9 +122,11 @@ Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options
   return run;
 }
 
-Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig) {
+Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig,
+                              const PoseRunOptions& options) {
   PoseRoom room;
   room.rotations = std::min(rig->num_handles(), 1000);
+  room.guaranteed = options.guaranteed;
   return PoseState::Create(rig, room);
 }
 

@@ -25,6 +25,9 @@ struct PoseRunOptions {
   bool no_rotations = false;
   bool uniform = false, no_roots = false;
   bool settle = false;
+  bool guaranteed = false;
+  double stretch_limit = 0;         // 0: none
+  double smoothing = 0, rate = 60;  // seconds of lag (0: none), frames a second
 
   void AddTo(CLI::App* app);
   // A rig baked without rotations is solved without them.
@@ -45,7 +48,7 @@ struct PoseRun {
 Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options);
 
 // A state in which any handle can be given a rotation.
-Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig);
+Result<PoseState> CreateState(const std::shared_ptr<const Rig>& rig, const PoseRunOptions& options);
 
 // Sets what one frame says; handles it leaves out stay as they were.
 Status ApplyFrame(const PoseFrame& frame, PoseState* state);
