@@ -50,7 +50,7 @@ double MillisecondsSince(Clock::time_point start) {
 std::vector<viewer::HandleDot> Dots(const PoseState& state) {
   std::vector<viewer::HandleDot> dots;
   for (int h = 0; h < state.rig().num_handles(); ++h) {
-    if (!state.rig().tables().handles[static_cast<size_t>(h)].pinned) continue;
+    if (!state.is_pinned(h)) continue;
     viewer::HandleDot dot;
     dot.position = state.target(h);
     dots.push_back(dot);
@@ -61,7 +61,7 @@ std::vector<viewer::HandleDot> Dots(const PoseState& state) {
 Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& options,
                                viewer::HeadlessRenderer* renderer, OutputFolder* output,
                                ProgressBar* progress) {
-  Result<PoseState> state = CreateState(run.rig, options);
+  Result<PoseState> state = CreateState(run.rig, options.run);
   if (!state.ok()) return state.status();
   viewer::OrbitCamera camera = renderer->DefaultCamera();
   constexpr float kRadians = std::numbers::pi_v<float> / 180;

@@ -131,8 +131,10 @@ TEST_F(PlayControlsTest, DraggedSkin_FollowsThePointerAndSpringsBack) {
   controls_->ButtonReleased(PointerButton::kLeft);
   Settle();
   Settle();
-  EXPECT_LT(Distance((*character_->SolvePositions())[vertex], rest),
-            0.02f * character_->rig().diagonal());
+  // Held at two points of its axis the cylinder may have turned about it.
+  const Vec3 back = (*character_->SolvePositions())[vertex];
+  EXPECT_NEAR(back.y, rest.y, 0.02f);
+  EXPECT_NEAR(std::hypot(back.x, back.z), std::hypot(rest.x, rest.z), 0.02f);
 }
 
 TEST_F(PlayControlsTest, P_LetsAHandleGoAndPinsItWhereItIs) {

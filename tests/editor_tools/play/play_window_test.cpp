@@ -197,15 +197,24 @@ TEST_F(PlayWindow, OrbitZoomPanAndFrame) {
   EXPECT_TRUE(HasDot(Shot("framed"), framed));
 }
 
-TEST_F(PlayWindow, Skin_DragsTheNearestHandle) {
-  Twin twin(test::BakeCylinder());
+TEST_F(PlayWindow, SkinPulledAndLetGo_HandlesStay) {
+  const Twin twin(test::BakeCylinder());
   const Pixel top = twin.Dot("top"), skin = {top.x, top.y + 60};
-  twin.Drag(PointerButton::kLeft, skin, {skin.x - 70, skin.y + 10});
-  const Pixel dropped = twin.Dot("top");
-  EXPECT_LT(dropped.x, top.x - 50);
   Play("cylinder", "shot before\n" + Step("drag 1", {skin.x, skin.y, skin.x - 70, skin.y + 10}) +
-                       Step("hover", {5, 470}) + "shot after before\n");
-  EXPECT_TRUE(HasDot(Shot("after"), dropped));
+                       Step("hover", {5, 470}) + "shot after\n");
+  EXPECT_TRUE(HasDot(Shot("after"), top));
+  EXPECT_TRUE(HasDot(Shot("after"), twin.Dot("bottom")));
+}
+
+TEST_F(PlayWindow, PinKey_LetsTheHandleUnderThePointerGoAndHoldsItAgain) {
+  const Twin twin(test::BakeCylinder());
+  const Pixel top = twin.Dot("top");
+  const std::string toggle =
+      Step("hover", {top.x, top.y}) + "xdotool sleep 0.3\nkey p\n" + Step("hover", {5, 470});
+  Play("cylinder", "shot before\n" + toggle + "shot free before\n" + toggle + "shot again free\n");
+  EXPECT_TRUE(HasDot(Shot("before"), top));
+  EXPECT_FALSE(HasDot(Shot("free"), top));
+  EXPECT_TRUE(HasDot(Shot("again"), top));
 }
 
 TEST_F(PlayWindow, ResizedAndHidden_GoesOn) {

@@ -57,7 +57,7 @@ void ExpectSameTables(const RigTables& written, const RigTables& loaded) {
   VisitRigTables(loaded, [&](const char* name, const std::vector<float>& table, const auto&) {
     EXPECT_EQ(*tables[static_cast<size_t>(num_tables++)], table) << name;
   });
-  EXPECT_EQ(num_tables, 7);
+  EXPECT_EQ(num_tables, 9);
 }
 
 void ExpectSameMesh(const SkinMesh& written, const SkinMesh& loaded) {
