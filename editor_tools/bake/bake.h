@@ -1,5 +1,6 @@
 // Bake: RawCharacter + handles -> Rig tables and skinning mesh (what the runtime needs).
-// Stages: weld, connect, weights, reach, edge groups, reduce. Deterministic: same input, same bytes.
+// Stages: weld, connect, weights, reach, edge groups, reduce. Deterministic: same input, same
+// bytes.
 #pragma once
 
 #include "core/status.h"
