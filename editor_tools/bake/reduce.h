@@ -20,8 +20,8 @@ struct ReduceInput {
   std::vector<int> handle_vertices;
 };
 
-// Fills the counts and all float tables of *tables but handle_reach; handles and shape_names must be
-// filled before. tables->dimension and space are taken as given (see FitRigSpace).
+// Fills the counts and all float tables of *tables but handle_reach; handles and shape_names must
+// be filled before. tables->dimension and space are taken as given (see FitRigSpace).
 Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables);
 
 }  // namespace limber::bake
