@@ -119,7 +119,7 @@ Eigen::VectorXd SurfaceDistance::From(int source) const {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto reach = [&](int v, double through) {
-if (!(through < (1 - kLeastGain) * distance(v))) return;
+    if (!(through < (1 - kLeastGain) * distance(v))) return;
     distance(v) = through;
     queue.emplace(through, v);
   };
