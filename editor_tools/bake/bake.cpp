@@ -10,6 +10,7 @@
 #include "geometry/weld.h"
 #include "rig/rest_frames.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -130,6 +131,21 @@ void FillSkinMesh(const RawCharacter& raw, const geometry::SolveMesh& mesh,
   CompleteRestFrames(space.basis, skin);
 }
 
+bool HasStiffness(const std::vector<ResolvedHandle>& handles) {
+  return std::any_of(handles.begin(), handles.end(),
+                     [](const ResolvedHandle& handle) { return handle.spec.stiffness != 1; });
+}
+
+// The handles' stiffnesses, mixed as the skin mixes their transforms but in proportions: a vertex
+// half way between 1 and 100 gets 10.
+Eigen::VectorXd VertexStiffness(const std::vector<ResolvedHandle>& handles,
+                                const Eigen::MatrixXd& weights) {
+  Eigen::VectorXd logarithms(weights.cols());
+  for (Eigen::Index h = 0; h < weights.cols(); ++h)
+    logarithms[h] = std::log(handles[static_cast<size_t>(h)].spec.stiffness);
+  return (weights * logarithms).array().exp();
+}
+
 }  // namespace
 
 Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec> handles,
@@ -174,7 +190,8 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
       options.num_groups > 0 ? options.num_groups : 2 * static_cast<int>(handle_vertices.size());
   ReduceInput input;
   const std::vector<int> groups = ClusterVertices(*weights, wanted, &input.num_groups);
-  const std::vector<geometry::GroupEdge> edges = BuildGroupEdges(mesh, groups);
+  std::vector<geometry::GroupEdge> edges = BuildGroupEdges(mesh, groups);
+  if (HasStiffness(*resolved)) ScaleEdges(VertexStiffness(*resolved, *weights), &edges);
   input.mesh = &mesh;
   input.weights = &*weights;
   input.edges = &edges;

@@ -142,4 +142,9 @@ std::vector<GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
   return edges;
 }
 
+void ScaleEdges(const Eigen::VectorXd& vertex_stiffness, std::vector<GroupEdge>* edges) {
+  for (GroupEdge& edge : *edges)
+    edge.weight *= std::sqrt(vertex_stiffness[edge.i] * vertex_stiffness[edge.j]);
+}
+
 }  // namespace limber::bake

@@ -19,4 +19,8 @@ std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int
 std::vector<geometry::GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
                                                  const std::vector<int>& vertex_group);
 
+// Makes regions stiffer or softer: an edge's weight is scaled by the geometric mean of its ends'
+// factors. vertex_stiffness: V, all above zero.
+void ScaleEdges(const Eigen::VectorXd& vertex_stiffness, std::vector<geometry::GroupEdge>* edges);
+
 }  // namespace limber::bake

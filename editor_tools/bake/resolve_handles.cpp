@@ -44,6 +44,10 @@ class Snapper {
                    "%s: needs either a vertex or a position; give exactly one of them",
                    Place(spec).c_str());
     }
+    if (!IsRegionStiffness(spec.stiffness)) {
+      return Error(StatusCode::kInvalidArgument, "%s: stiffness %g; expected %g to %g",
+                   Place(spec).c_str(), spec.stiffness, kSoftestRegion, kStiffestRegion);
+    }
     return spec.position ? SnapPosition(spec) : SnapSource(spec);
   }
 

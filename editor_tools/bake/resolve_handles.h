@@ -15,7 +15,8 @@ struct ResolvedHandle {
 };
 
 // Snaps each wish to a solve vertex. Errors, each naming the handle: kNoHandles (none, or none
-// pinned), kInvalidArgument (vertex out of range, two of one name, two on one vertex, not finite).
+// pinned), kInvalidArgument (vertex out of range, two of one name, two on one vertex, not finite,
+// a stiffness out of range).
 Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
                                                    const geometry::SolveMesh& mesh,
                                                    std::span<const HandleSpec> specs);

@@ -28,7 +28,7 @@ constexpr char kFooter[] =
                                    {"name":"knee","position":[x,y,z],"free":true}]}
                        vertex numbers count from 0 in the source's order; a position is in the mesh's
                        space and snaps to the nearest vertex; a free handle is not dragged, it adds
-                       freedom
+                       freedom; "stiffness":10 makes the region around a handle ten times as stiff
   --auto-handles N     N points spread over the extremities
   nodes of the glTF    whose extras say {"limber_handle":true}, or {"limber_handle":{"pinned":false}}
 Everything else in the input file survives. Bake last: tools that rewrite the mesh afterwards make

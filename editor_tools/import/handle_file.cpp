@@ -12,7 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Result<HandleSpec> ReadHandle(const Json& entry, const std::string& place) {
-  LIMBER_RETURN_IF_ERROR(CheckMembers(entry, place, {"name", "vertex", "position", "free"}));
+  LIMBER_RETURN_IF_ERROR(
+      CheckMembers(entry, place, {"name", "vertex", "position", "free", "stiffness"}));
   HandleSpec spec;
   const auto name = entry.find("name");
   if (name == entry.end() || !name->is_string() || name->get_ref<const std::string&>().empty()) {
@@ -42,6 +43,13 @@ Result<HandleSpec> ReadHandle(const Json& entry, const std::string& place) {
       return Status(StatusCode::kMalformed, named + ": free is neither true nor false");
     }
     spec.pinned = !is_free->get<bool>();
+  }
+  if (const auto stiffness = entry.find("stiffness"); stiffness != entry.end()) {
+    spec.stiffness = stiffness->is_number() ? stiffness->get<double>() : 0;
+    if (!IsRegionStiffness(spec.stiffness)) {
+      return Status(StatusCode::kMalformed, named + ": stiffness " + stiffness->dump() +
+                                                " is not a number from 0.001 to 1000");
+    }
   }
   return spec;
 }

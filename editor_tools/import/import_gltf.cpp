@@ -152,6 +152,13 @@ Result<std::optional<HandleSpec>> ReadMark(const Json& nodes, size_t n) {
     }
     spec.pinned = pinned->get<bool>();
   }
+  if (const auto stiffness = mark->find("stiffness"); stiffness != mark->end()) {
+    spec.stiffness = stiffness->is_number() ? stiffness->get<double>() : 0;
+    if (!IsRegionStiffness(spec.stiffness)) {
+      return Status(StatusCode::kMalformed, place + ".stiffness: it is " + stiffness->dump() +
+                                                "; write a number from 0.001 to 1000");
+    }
+  }
   return std::optional<HandleSpec>(spec);
 }
 

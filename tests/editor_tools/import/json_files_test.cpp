@@ -12,7 +12,7 @@ namespace {
 TEST(HandleFile, VertexAndPosition_AreRead) {
   const auto handles = bake::ParseHandles(
       R"({"handles":[{"name":"tail","vertex":123},
-                     {"name":"knee","position":[1,-2.5,3e2],"free":true}]})",
+                     {"name":"knee","position":[1,-2.5,3e2],"free":true,"stiffness":20}]})",
       "h.json");
   ASSERT_TRUE(handles.ok()) << handles.status().message();
   ASSERT_EQ(handles->size(), 2u);
@@ -20,6 +20,8 @@ TEST(HandleFile, VertexAndPosition_AreRead) {
   EXPECT_TRUE((*handles)[0].pinned);
   EXPECT_EQ((*handles)[1].position, (Vec3{1, -2.5f, 300}));
   EXPECT_FALSE((*handles)[1].pinned);
+  EXPECT_EQ((*handles)[0].stiffness, 1);
+  EXPECT_EQ((*handles)[1].stiffness, 20);
 }
 
 TEST(HandleFile, Mistakes_NameFileAndElement) {
@@ -45,6 +47,9 @@ TEST(HandleFile, Mistakes_NameFileAndElement) {
       {R"({"handles":[{"name":"a","position":[0,1,null]}]})", StatusCode::kMalformed, "null"},
       {R"({"handles":[{"name":"a","vertex":1,"pined":true}]})", StatusCode::kMalformed, "pined"},
       {R"({"handles":[{"name":"a","vertex":1,"free":1}]})", StatusCode::kMalformed, "free"},
+      {R"({"handles":[{"name":"a","vertex":1,"stiffness":0}]})", StatusCode::kMalformed,
+       "stiffness"},
+      {R"({"handles":[{"name":"a","vertex":1,"stiffness":"1"}]})", StatusCode::kMalformed, "0.001"},
       {R"({"handles":[{"name":"a","vertex":1}],"x":1})", StatusCode::kMalformed, "\"x\""},
   };
 
