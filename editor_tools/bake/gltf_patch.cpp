@@ -4,6 +4,8 @@
 #include "load/uri.h"
 #include "rig/rig_fields.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -60,9 +62,15 @@ bool AnyOf(const Json& parent, const char* section, const std::function<bool(con
 
 }  // namespace
 
+GltfPatch::GltfPatch() : json_(std::make_unique<Json>()) {}
+
+GltfPatch::GltfPatch(GltfPatch&&) noexcept = default;
+GltfPatch& GltfPatch::operator=(GltfPatch&&) noexcept = default;
+GltfPatch::~GltfPatch() = default;
+
 Result<GltfPatch> GltfPatch::Begin(const GltfFile& file) {
   GltfPatch patch;
-  patch.json_ = file.json();
+  *patch.json_ = file.json();
   LIMBER_RETURN_IF_ERROR(patch.GatherBuffers(file).WithContext(file.name()));
   LIMBER_RETURN_IF_ERROR(patch.EmbedImages(file));
   return patch;
@@ -70,14 +78,14 @@ Result<GltfPatch> GltfPatch::Begin(const GltfFile& file) {
 
 Status GltfPatch::GatherBuffers(const GltfFile& file) {
   std::vector<size_t> offsets;
-  for (size_t b = 0; b < Size(json_, "buffers"); ++b) {
+  for (size_t b = 0; b < Size(*json_, "buffers"); ++b) {
     PadToFour(&bin_);
     offsets.push_back(bin_.size());
     const std::span<const uint8_t> bytes = file.BufferBytes(static_cast<int64_t>(b));
     bin_.insert(bin_.end(), bytes.begin(), bytes.end());
   }
-  for (size_t v = 0; v < Size(json_, "bufferViews"); ++v) {
-    Json& view = json_["bufferViews"][v];
+  for (size_t v = 0; v < Size(*json_, "bufferViews"); ++v) {
+    Json& view = (*json_)["bufferViews"][v];
     if (view.contains("extensions") && !view["extensions"].empty()) {
       return Error(StatusCode::kUnsupported,
                    "bufferViews[%zu]: it is compressed; remove the compression with: npx "
@@ -88,16 +96,16 @@ Status GltfPatch::GatherBuffers(const GltfFile& file) {
     if (offset > 0) view["byteOffset"] = view.value("byteOffset", size_t{0}) + offset;
     view["buffer"] = 0;
   }
-  Json buffer = offsets.empty() ? Json::object() : json_["buffers"][0];
+  Json buffer = offsets.empty() ? Json::object() : (*json_)["buffers"][0];
   buffer.erase("uri");
-  json_["buffers"] = Json::array({std::move(buffer)});
+  (*json_)["buffers"] = Json::array({std::move(buffer)});
   PadToFour(&bin_);
   return {};
 }
 
 Status GltfPatch::EmbedImages(const GltfFile& file) {
-  for (size_t i = 0; i < Size(json_, "images"); ++i) {
-    Json& image = json_["images"][i];
+  for (size_t i = 0; i < Size(*json_, "images"); ++i) {
+    Json& image = (*json_)["images"][i];
     const auto uri = image.is_object() ? image.find("uri") : image.end();
     if (!image.is_object() || uri == image.end() || !uri->is_string()) continue;
     Result<std::vector<uint8_t>> bytes = file.ImageBytes(static_cast<int64_t>(i));
@@ -132,17 +140,17 @@ bool GltfPatch::IsAccessorUsed(size_t accessor) const {
              return table.is_object() && HasMember(table, "accessor", accessor);
            });
   };
-  const auto extensions = json_.find("extensions");
-  const auto own = extensions == json_.end() ? json_.end() : extensions->find(kRigExtensionName);
-  const bool in_rigs = extensions != json_.end() && own != extensions->end() && own->is_object() &&
+  const auto extensions = json_->find("extensions");
+  const auto own = extensions == json_->end() ? json_->end() : extensions->find(kRigExtensionName);
+  const bool in_rigs = extensions != json_->end() && own != extensions->end() && own->is_object() &&
                        AnyOf(*own, "rigs", in_rig);
   return in_rigs ||
-         AnyOf(json_, "meshes",
+         AnyOf(*json_, "meshes",
                [&](const Json& mesh) { return AnyOf(mesh, "primitives", in_primitive); }) ||
          AnyOf(
-             json_, "skins",
+             *json_, "skins",
              [&](const Json& skin) { return HasMember(skin, "inverseBindMatrices", accessor); }) ||
-         AnyOf(json_, "animations", [&](const Json& animation) {
+         AnyOf(*json_, "animations", [&](const Json& animation) {
            return AnyOf(animation, "samplers", [&](const Json& sampler) {
              return HasMember(sampler, "input", accessor) || HasMember(sampler, "output", accessor);
            });
@@ -151,7 +159,7 @@ bool GltfPatch::IsAccessorUsed(size_t accessor) const {
 
 bool GltfPatch::IsBufferViewUsed(size_t view) const {
   const auto refers = [view](const Json& item) { return HasMember(item, "bufferView", view); };
-  return AnyOf(json_, "images", refers) || AnyOf(json_, "accessors", [&](const Json& accessor) {
+  return AnyOf(*json_, "images", refers) || AnyOf(*json_, "accessors", [&](const Json& accessor) {
            const auto sparse = accessor.find("sparse");
            const bool in_sparse = sparse != accessor.end() && sparse->is_object() &&
                                   (refers((*sparse)["indices"]) || refers((*sparse)["values"]));
@@ -162,9 +170,9 @@ bool GltfPatch::IsBufferViewUsed(size_t view) const {
 void GltfPatch::RemoveAccessors(const std::vector<size_t>& accessors) {
   std::vector<size_t> views;
   for (const size_t accessor : accessors) {
-    if (accessor >= Size(json_, "accessors") || IsAccessorUsed(accessor)) continue;
+    if (accessor >= Size(*json_, "accessors") || IsAccessorUsed(accessor)) continue;
     if (std::count(free_accessors_.begin(), free_accessors_.end(), accessor) > 0) continue;
-    Json& entry = json_["accessors"][accessor];
+    Json& entry = (*json_)["accessors"][accessor];
     const auto view = entry.find("bufferView");
     if (view != entry.end()) views.push_back(view->get<size_t>());
     // A valid accessor for as long as the number is free: one zero.
@@ -186,7 +194,7 @@ void GltfPatch::RemoveBytes(const std::vector<size_t>& views) {
     size_t begin, end;
   };
 
-  Json& all = json_["bufferViews"];
+  Json& all = (*json_)["bufferViews"];
   const auto range_of = [&](size_t view) {
     const size_t begin = all[view].value("byteOffset", size_t{0});
     return Range{begin, begin + all[view]["byteLength"].get<size_t>()};
@@ -227,14 +235,14 @@ size_t GltfPatch::AddBufferView(std::span<const uint8_t> bytes, int target) {
   Json view = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
   if (target != 0) view["target"] = target;
   bin_.insert(bin_.end(), bytes.begin(), bytes.end());
-  if (!json_.contains("bufferViews")) json_["bufferViews"] = Json::array();
+  if (!json_->contains("bufferViews")) (*json_)["bufferViews"] = Json::array();
   if (free_views_.empty()) {
-    json_["bufferViews"].push_back(std::move(view));
-    return json_["bufferViews"].size() - 1;
+    (*json_)["bufferViews"].push_back(std::move(view));
+    return (*json_)["bufferViews"].size() - 1;
   }
   const size_t index = free_views_.back();
   free_views_.pop_back();
-  json_["bufferViews"][index] = std::move(view);
+  (*json_)["bufferViews"][index] = std::move(view);
   return index;
 }
 
@@ -248,14 +256,14 @@ size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numb
                    {"componentType", kFloat},
                    {"count", numbers.size() / static_cast<size_t>(components)},
                    {"type", components == 4 ? "VEC4" : "SCALAR"}};
-  if (!json_.contains("accessors")) json_["accessors"] = Json::array();
+  if (!json_->contains("accessors")) (*json_)["accessors"] = Json::array();
   if (free_accessors_.empty()) {
-    json_["accessors"].push_back(std::move(accessor));
-    return json_["accessors"].size() - 1;
+    (*json_)["accessors"].push_back(std::move(accessor));
+    return (*json_)["accessors"].size() - 1;
   }
   const size_t index = free_accessors_.back();
   free_accessors_.pop_back();
-  json_["accessors"][index] = std::move(accessor);
+  (*json_)["accessors"][index] = std::move(accessor);
   return index;
 }
 
@@ -263,10 +271,10 @@ size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numb
 // placeholder keeps the later numbers what they are.
 void GltfPatch::FillGaps() {
   for (const size_t accessor : free_accessors_) {  // descending
-    if (accessor + 1 == json_["accessors"].size()) json_["accessors"].erase(accessor);
+    if (accessor + 1 == (*json_)["accessors"].size()) (*json_)["accessors"].erase(accessor);
   }
   for (const size_t view : free_views_) {
-    Json& views = json_["bufferViews"];
+    Json& views = (*json_)["bufferViews"];
     if (view + 1 == views.size()) {
       views.erase(view);
     } else {
@@ -286,11 +294,11 @@ Result<std::vector<uint8_t>> GltfPatch::Finish(bool as_glb) {
                  "%zu bytes of data, the limit is %llu; bake with fewer handles or shapes",
                  bin_.size(), static_cast<unsigned long long>(most));
   }
-  json_["buffers"][0]["byteLength"] = bin_.size();
+  (*json_)["buffers"][0]["byteLength"] = bin_.size();
   try {
-    if (as_glb) return AssembleGlb(json_.dump(), bin_);
-    json_["buffers"][0]["uri"] = "data:application/octet-stream;base64," + EncodeBase64(bin_);
-    const std::string text = json_.dump(2) + "\n";
+    if (as_glb) return AssembleGlb(json_->dump(), bin_);
+    (*json_)["buffers"][0]["uri"] = "data:application/octet-stream;base64," + EncodeBase64(bin_);
+    const std::string text = json_->dump(2) + "\n";
     return std::vector<uint8_t>(text.begin(), text.end());
   } catch (const std::exception& error) {
     return Status(StatusCode::kInternal, std::string("JSON: ") + error.what());

@@ -5,9 +5,10 @@
 #include "core/status.h"
 #include "load/gltf_file.h"
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +22,11 @@ class GltfPatch {
   // bufferViews and images stay. Errors, beginning with the file's name: kUnsupported (compressed
   // bufferViews), and those of GltfFile::ImageBytes.
   static Result<GltfPatch> Begin(const GltfFile& file);
+  GltfPatch(GltfPatch&&) noexcept;
+  GltfPatch& operator=(GltfPatch&&) noexcept;
+  ~GltfPatch();
 
-  nlohmann::ordered_json& json() { return json_; }
+  nlohmann::ordered_json& json() { return *json_; }
 
   // Takes accessors out of the file with the data that only they use. Those that something else
   // still refers to stay, so unlink them first. Their numbers are given to new accessors.
@@ -38,7 +42,7 @@ class GltfPatch {
   Result<std::vector<uint8_t>> Finish(bool as_glb);
 
  private:
-  GltfPatch() = default;
+  GltfPatch();
   Status GatherBuffers(const GltfFile& file);
   Status EmbedImages(const GltfFile& file);
   size_t AddBufferView(std::span<const uint8_t> bytes, int target);
@@ -47,7 +51,7 @@ class GltfPatch {
   void RemoveBytes(const std::vector<size_t>& views);
   void FillGaps();
 
-  nlohmann::ordered_json json_;
+  std::unique_ptr<nlohmann::ordered_json> json_;
   std::vector<uint8_t> bin_;
   std::vector<size_t> free_accessors_, free_views_;  // descending, so that the lowest goes first
 };

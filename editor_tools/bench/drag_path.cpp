@@ -29,6 +29,7 @@ AlternationTimes Summarise(const std::vector<double>& seconds,
   for (double StageTimes::*stage : {&StageTimes::rotations, &StageTimes::nearness,
                                     &StageTimes::blend, &StageTimes::transforms}) {
     std::vector<double> values;
+    values.reserve(stages.size());
     for (const StageTimes& frame : stages)
       values.push_back(frame.*stage);
     times.stages.*stage = Median(std::move(values));

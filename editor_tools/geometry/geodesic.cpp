@@ -125,7 +125,8 @@ Eigen::VectorXd SurfaceDistance::From(int source) const {
   };
   reach(source, 0);
   while (!queue.empty()) {
-    const auto [reached, v] = queue.top();
+    const double reached = queue.top().first;
+    const int v = queue.top().second;
     queue.pop();
     if (reached > distance(v)) continue;
     const auto along = [&](int to) { return reached + (points_.row(v) - points_.row(to)).norm(); };

@@ -66,6 +66,24 @@ constexpr Member kMembers[] = {{"pinned", "true or false", ReadPinned},
                                {"targets", "positions", ReadTarget},
                                {"rotations", "quaternions", ReadRotation}};
 
+// What one member of a frame says of its handles, at the end of `frame`.
+Status ReadMember(const Member& member, const Json& values, const std::string& place,
+                  FrameInput* frame) {
+  if (!values.is_object()) {
+    return Status(StatusCode::kMalformed,
+                  place + ": an object of handle names and " + member.values + " is needed");
+  }
+  for (const auto& [name, value] : values.items()) {
+    HandleInput input;
+    input.handle = name;
+    std::string handle_place = place;
+    handle_place.append(": \"").append(name).append("\"");
+    LIMBER_RETURN_IF_ERROR(member.read(value, handle_place, &input));
+    frame->push_back(std::move(input));
+  }
+  return {};
+}
+
 Result<FrameInput> ReadFrame(const Json& frame, const std::string& place) {
   LIMBER_RETURN_IF_ERROR(
       CheckMembers(frame, place, {"targets", "pinned", "stiffness", "rotations"}));
@@ -73,19 +91,7 @@ Result<FrameInput> ReadFrame(const Json& frame, const std::string& place) {
   for (const Member& member : kMembers) {
     const auto found = frame.find(member.name);
     if (found == frame.end()) continue;
-    const std::string inside = place + "." + member.name;
-    if (!found->is_object()) {
-      return Status(StatusCode::kMalformed,
-                    inside + ": an object of handle names and " + member.values + " is needed");
-    }
-    for (const auto& [name, value] : found->items()) {
-      HandleInput input;
-      input.handle = name;
-      std::string handle_place = inside;
-      handle_place.append(": \"").append(name).append("\"");
-      LIMBER_RETURN_IF_ERROR(member.read(value, handle_place, &input));
-      result.push_back(std::move(input));
-    }
+    LIMBER_RETURN_IF_ERROR(ReadMember(member, *found, place + "." + member.name, &result));
   }
   return result;
 }

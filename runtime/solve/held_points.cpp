@@ -24,9 +24,10 @@ std::array<double, 3> ToRigSpace(const Rig& rig, Vec3 position) {
   for (int axis = 0; axis < rig.dimension(); ++axis) {
     double turned = 0;
     for (int a = 0; a < 3; ++a) {
-      turned += static_cast<double>(space.basis[static_cast<size_t>(3 * axis + a)]) *
-                (static_cast<double>(position[a]) -
-                 static_cast<double>(space.origin[static_cast<size_t>(a)]));
+      turned +=
+          static_cast<double>(space.basis[3 * static_cast<size_t>(axis) + static_cast<size_t>(a)]) *
+          (static_cast<double>(position[a]) -
+           static_cast<double>(space.origin[static_cast<size_t>(a)]));
     }
     local[static_cast<size_t>(axis)] = turned / static_cast<double>(space.scale);
   }

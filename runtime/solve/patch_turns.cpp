@@ -41,7 +41,7 @@ void PatchTurns<K>::TakeFromRows(const SolveKernels& kernels, const PinSet& pins
     turns_[turn] = TurnToTarget<K>(patch, images.data(), targets.data() + turn * K * K);
     for (size_t i = 0; i < patch.count; ++i) {
       for (size_t entry = 0; entry < pins.rank() * K * K; ++entry) {
-        const size_t q = entry / (K * K), to = entry / K % K, from = entry % K;
+        const size_t q = entry / (size_t{K} * K), to = entry / K % K, from = entry % K;
         const double factor =
             root(static_cast<Eigen::Index>(first_row + i), static_cast<Eigen::Index>(q)) *
             turns_[turn](static_cast<Eigen::Index>(to), static_cast<Eigen::Index>(from));
