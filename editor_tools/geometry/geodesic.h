@@ -38,9 +38,9 @@ class EdgeGraph {
 // two corners the source is unfolded into the triangle's plane and gives the third corner's
 // (Novotni and Klein 2002, Computing geodesic distances on triangular meshes), until nothing
 // shortens. So lengths are those of straight lines where the way unfolds to a plane: on flat
-// pieces, cylinders and cones to rounding. Elsewhere the error shrinks as the size of the triangles:
-// on a sphere of n meridians lengths come out short, by up to 0.65 / n of themselves within a
-// quarter of the way round and 2.2 / n beyond.
+// pieces, cylinders and cones to rounding. Elsewhere the error shrinks as the size of the
+// triangles: on a sphere of n meridians lengths come out short, by up to 0.65 / n of themselves
+// within a quarter of the way round and 2.2 / n beyond.
 class SurfaceDistance {
  public:
   // The mesh must outlive this; shape in [0, S).
