@@ -138,7 +138,10 @@ void Alternation<K>::RotateLoads(const PoseModel& model) {
   kernels_.rotate_loads(pins_->loads.data(), rotations_.data(), pins_->rank(), model.chunks(),
                         rows_.data());
   patch_turns_.RotateLoads(kernels_, *pins_, rotations_.data());
+  if (pins_->turns.empty()) return;
   patch_turns_.TakeFromRows(kernels_, *pins_, blend_.data(), rows_.data());
+  blend_step_.ForgetColumns();  // which hold rows of before, if R did not change them
+  uniform_step_.ForgetColumns();
 }
 
 // e = L^T X - sum_j B_j L^T V_j^T R_j^T.

@@ -290,6 +290,30 @@ TEST_F(HeldPoints, RotationThatAnExampleHas_LeavesTheExampleAsItIs) {
   }
 }
 
+// With R = I nothing but the turn itself changes from call to call.
+TEST_F(HeldPoints, RotationsThatFollowEachOther_WithRHeld_EndAsTheLastAlone) {
+  Make({"HeldRotations", 3, false, false});
+  PoseState dragged = MakeState(), fresh = MakeState();
+  const auto turn = [](double angle) {
+    return FromEigen(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitZ())));
+  };
+  options_.lambda = 0.1f;  // and a target at which shapes mix, in proportions that the turn changes
+  for (PoseState* state : {&dragged, &fresh})
+    ASSERT_TRUE(state->SetTarget(moved_, {0.5f, 1.6f, 0.1f}).ok());
+  for (const double angle : {0.1, 0.3, -0.4, 0.5}) {
+    ASSERT_TRUE(dragged.SetRotation(moved_, turn(angle)).ok());
+    Settle(&dragged);
+  }
+  ASSERT_TRUE(fresh.SetRotation(moved_, turn(0.5)).ok());
+  const double energy = Settle(&fresh).energy;
+  ASSERT_GT(energy, 1e-3 * double{rig_->diagonal()});
+  EXPECT_NEAR(Settle(&dragged).energy, energy, 1e-5 * energy);
+  const auto a = test::SkinNaively(*rig_, dragged.transforms());
+  const auto b = test::SkinNaively(*rig_, fresh.transforms());
+  for (size_t v = 0; v < a.size(); ++v)
+    EXPECT_LT((a[v] - b[v]).norm(), 1e-4 * double{rig_->diagonal()});
+}
+
 TEST_P(TurningHeldPointsTest, RotationOfAHandle_TurnsTheSkinAroundIt) {
   PoseState state = MakeState();
   // About the cylinder's axis: a twist, or the square's normal.
