@@ -29,7 +29,7 @@ set label 5 'wide and pale: dragged outwards; thin and dark: dragged back; '. \
 do for [i = 1:4] {
   set title word(titles, i) offset 0,-0.4 font 'DejaVu Sans,17' textcolor rgb '#222222'
   if (i > 2) { set xlabel 'x of the right handle' offset 0,0.3 } else { unset xlabel }
-  if (i % 2 == 1) { set ylabel 'average of B' offset 2.9,0 } else { unset ylabel }
+  unset ylabel  # the title says it
   file = sprintf('%s/figure8%s.txt', folder, word(panels, i))
   plot for [s = 1:3] file index 0 using 1:s+1 with lines lw 7 lc rgb word(pale, s), \
        for [s = 1:3] file index 1 using 1:s+1 with lines lw 1.8 lc rgb word(colours, s)
