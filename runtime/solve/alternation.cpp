@@ -12,6 +12,9 @@ namespace {
 // 3e-7 in sqrt(D), so shapes that fit the targets better than the floor fit equally well.
 constexpr double kNearnessFloor = 1e-6;
 
+// A bound is raised by so much more than what is asked for that rounding does not have it fail.
+constexpr double kRootSlack = 1e-12;
+
 // scale * R_block, row-major.
 template <int K>
 void ScaledRotation(const AlignedVector<double>& rotations, int block, double scale, double* m) {
@@ -203,8 +206,8 @@ class Alternation<K>::Term final : public NearnessTerm {
  public:
   Term(const PoseModel& model, Alternation* owner) : model_(model), owner_(owner) {}
 
-  double Exact(int block) override {
-    return owner_->NearnessOf(owner_->nearness_step_.Root(model_, block));
+  Bound Raise(int block, double at_least) override {
+    return owner_->RaiseNearness(model_, block, at_least);
   }
 
  private:
@@ -217,6 +220,14 @@ template <int K>
 double Alternation<K>::NearnessOf(double root) const {
   const double floored = std::max(root, nearness_floor_);
   return settings_.lambda * (settings_.square_roots ? floored : floored * floored);
+}
+
+// The root that contributes so much: any where that is nothing, none where nothing contributes.
+template <int K>
+double Alternation<K>::RootFor(double nearness) const {
+  if (nearness <= 0 || settings_.lambda <= 0) return 0;
+  const double share = nearness / settings_.lambda;
+  return (settings_.square_roots ? share : std::sqrt(share)) * (1 + kRootSlack);
 }
 
 template <int K>
@@ -399,6 +410,13 @@ void Alternation<K>::AdvanceNearness(const PoseModel& model) {
 template <int K>
 double Alternation<K>::Nearness(const PoseModel& model, int block) {
   return NearnessOf(nearness_step_.Root(model, block));
+}
+
+template <int K>
+NearnessTerm::Bound Alternation<K>::RaiseNearness(const PoseModel& model, int block,
+                                                  double at_least) {
+  const double bound = nearness_step_.RaiseBound(model, block, RootFor(at_least));
+  return {NearnessOf(bound), nearness_step_.is_exact(block)};
 }
 
 template <int K>

@@ -124,12 +124,13 @@ class Alternation {
 
   // For the guaranteed mode (trust_region.h), which moves the unknowns by itself: goes on from
   // these; one more step of D; what a weight costs in the objective of the last Run's settings
-  // (lambda sqrt(D) or lambda D), and a number not above it; and the convex step of those settings.
+  // (lambda sqrt(D) or lambda D), and numbers not above it; and the convex step of those settings.
   // The step's user has it forget its columns before and after.
   void Adopt(const PoseModel& model, const AlignedVector<double>& blend,
              const AlignedVector<double>& rotations);
   void AdvanceNearness(const PoseModel& model);
   double Nearness(const PoseModel& model, int block);
+  NearnessTerm::Bound RaiseNearness(const PoseModel& model, int block, double at_least);
   double NearnessBound(int block) const;
   BlendWeightStep* convex_step();
 
@@ -143,6 +144,7 @@ class Alternation {
   BlendReport SolveConvexStep(const PoseModel& model);
   BlendReport SolveUniformStep(const PoseModel& model, const BlendProblem& varying);
   double NearnessOf(double root) const;
+  double RootFor(double nearness) const;
 
   const SolveKernels& kernels_;
   const PinSet* pins_;

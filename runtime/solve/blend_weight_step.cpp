@@ -275,22 +275,30 @@ double BlendWeightStep::Nearness(const BlendProblem& problem, int block) {
   return nearness_[i];
 }
 
+// Without evaluating more than the answer needs.
+bool BlendWeightStep::IsNearnessAtLeast(const BlendProblem& problem, int block, double level) {
+  const auto i = static_cast<size_t>(block);
+  if (nearness_[i] >= level) return true;
+  if (is_exact_[i] != 0 || problem.nearness_term == nullptr) return false;
+  const NearnessTerm::Bound bound = problem.nearness_term->Raise(block, level);
+  nearness_[i] = bound.value;
+  is_exact_[i] = bound.is_exact ? 1 : 0;
+  return nearness_[i] >= level || Nearness(problem, block) >= level;
+}
+
 // The most negative multiplier of a group's weights at their bound, and in *block whose it is; none
 // (-1) where all are above -tolerance. A lower bound that is good enough is not looked behind.
 double BlendWeightStep::WorstOfGroup(const BlendProblem& problem, const double* blend, int group,
                                      double outer, double tolerance, int* block) {
-  const auto slope = [&](int j) {
-    return outer * gradient_[static_cast<size_t>(j)] + nearness_[static_cast<size_t>(j)];
-  };
-  const double level = slope(reference_[static_cast<size_t>(group)]);
+  const auto steepness = [&](int j) { return outer * gradient_[static_cast<size_t>(j)]; };
+  const int reference = reference_[static_cast<size_t>(group)];
+  const double level = steepness(reference) + nearness_[static_cast<size_t>(reference)];
   double worst = -tolerance;
   *block = -1;
   for (int j = group * num_shapes_; j < (group + 1) * num_shapes_; ++j) {
     if (is_free_[static_cast<size_t>(j)] != 0 || blend[j] != 0) continue;
-    if (slope(j) - level >= worst) continue;
-    Nearness(problem, j);
-    if (slope(j) - level >= worst) continue;
-    worst = slope(j) - level;
+    if (IsNearnessAtLeast(problem, j, worst + level - steepness(j))) continue;
+    worst = steepness(j) + Nearness(problem, j) - level;
     *block = j;
   }
   return worst;
@@ -338,10 +346,7 @@ bool BlendWeightStep::StartIsMatched(const BlendProblem& problem, const double* 
       if (blend[j] > 0) farthest_used = std::max(farthest_used, Nearness(problem, j));
     }
     for (int j = g * num_shapes_; j < (g + 1) * num_shapes_; ++j) {
-      if (nearness_[static_cast<size_t>(j)] < farthest_used &&
-          Nearness(problem, j) < farthest_used) {
-        return false;
-      }
+      if (!IsNearnessAtLeast(problem, j, farthest_used)) return false;
     }
   }
   return true;

@@ -19,6 +19,7 @@
 #include "solve/kernels/solve_kernels.h"
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace limber {
@@ -35,8 +36,16 @@ class QuadraticColumns {
 // bounds.
 class NearnessTerm {
  public:
+  struct Bound {
+    double value;
+    bool is_exact;
+  };
+
   virtual ~NearnessTerm() = default;
-  virtual double Exact(int block) = 0;
+  // The term, or a lower bound of it that is at_least that.
+  virtual Bound Raise(int block, double at_least) = 0;
+
+  double Exact(int block) { return Raise(block, std::numeric_limits<double>::infinity()).value; }
 };
 
 struct BlendProblem {
@@ -81,6 +90,7 @@ class BlendWeightStep {
   void DropUnused(const double* blend);
   bool StartIsMatched(const BlendProblem& problem, const double* blend);
   double Nearness(const BlendProblem& problem, int block);
+  bool IsNearnessAtLeast(const BlendProblem& problem, int block, double level);
   void CollectFree(const double* blend);
   void UpdateUsedGradient(const BlendProblem& problem, const double* blend);
   void UpdateFullGradient(const BlendProblem& problem, const double* blend);

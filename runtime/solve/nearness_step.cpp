@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace limber {
 namespace {
@@ -18,6 +19,7 @@ template <int K>
 NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
     : kernels_(ChooseSolveKernels<K>()),
       shape_planes_(model.group_chunks() * kBlockLanes * K * K),
+      size_(model.single_size()),
       stride_(model.single_stride()),
       rotations_(static_cast<size_t>(model.num_shapes) * shape_planes_),
       last_rotations_(shape_planes_),
@@ -25,10 +27,10 @@ NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
       last_modes_(K * stride_),
       gaps_(std::max(max_pins, model.pins->capacity()) * K),
       fits_(shape_planes_),
-      stacked_(K * stride_),
       turned_(model.group_chunks() * kBlockLanes),
       lower_(static_cast<size_t>(model.num_blocks)),
-      is_exact_(lower_.size()),
+      energies_(lower_.size()),
+      rows_done_(lower_.size()),
       failed_(model.group_chunks() * kBlockLanes) {
   Reset();
 }
@@ -47,6 +49,8 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
   const auto groups = static_cast<size_t>(model.num_groups);
   const size_t count = pins.size(), chunks = stride_ / kBlockLanes;
   double* modes = Modes(shape);
+  for (size_t c = 0; c < K; ++c)
+    std::fill_n(modes + c * stride_ + (size_ - K), K, 0.0);
   std::copy_n(modes, K * stride_, last_modes_.data());
   kernels_.single_modes(model.single_edges_by_mode.data() + shape * groups * K * stride_,
                         Rotations(shape), groups, chunks, modes);
@@ -123,25 +127,30 @@ void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const doub
     }
     LowerBounds(model, s);
   }
-  std::fill(is_exact_.begin(), is_exact_.end(), uint8_t{0});
+  std::fill(energies_.begin(), energies_.end(), 0.0);
+  std::fill(rows_done_.begin(), rows_done_.end(), size_t{0});
+}
+
+template <int K>
+double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_least) {
+  const auto i = static_cast<size_t>(block);
+  if (lower_[i] >= at_least || is_exact(block)) return lower_[i];
+  const size_t shapes = static_cast<size_t>(model.num_shapes), s = i % shapes, g = i / shapes;
+  double* modes = Modes(s);
+  for (size_t c = 0; c < K; ++c) {
+    for (size_t a = 0; a < K; ++a)
+      modes[c * stride_ + (size_ - K) + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
+  }
+  kernels_.single_energy(model.single_factors.data() + i * model.single_factor_size, modes, size_,
+                         stride_, at_least * at_least, &rows_done_[i], &energies_[i]);
+  const double root = std::sqrt(energies_[i]);
+  lower_[i] = is_exact(block) ? root : std::max(lower_[i], root);
+  return lower_[i];
 }
 
 template <int K>
 double NearnessStep<K>::Root(const PoseModel& model, int block) {
-  const auto i = static_cast<size_t>(block);
-  if (is_exact_[i] != 0) return lower_[i];
-  const size_t shapes = static_cast<size_t>(model.num_shapes), s = i % shapes, g = i / shapes;
-  const auto modes = static_cast<size_t>(model.num_single_modes);
-  std::copy_n(Modes(s), K * stride_, stacked_.data());
-  for (size_t c = 0; c < K; ++c) {
-    for (size_t a = 0; a < K; ++a)
-      stacked_[c * stride_ + modes + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
-  }
-  is_exact_[i] = 1;
-  lower_[i] =
-      std::sqrt(kernels_.single_energy(model.single_factors.data() + i * model.single_factor_size,
-                                       stacked_.data(), modes + K, stride_));
-  return lower_[i];
+  return RaiseBound(model, block, std::numeric_limits<double>::infinity());
 }
 
 template class NearnessStep<2>;

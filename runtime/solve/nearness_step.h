@@ -3,8 +3,10 @@
 //
 // The iteration is cheap; the energies D of all groups and shapes are not, and few of them matter:
 // those of the weights in use, and of weights that might come into use. So D is evaluated where it
-// is asked for. For the others there is a lower bound: the whitened modes of a model have
-// |J_g dz| <= |dz|, so sqrt(D) falls by at most |dz| + |E_g| |dR| from one call to the next.
+// is asked for, and as far as it is asked for: D = |U x|^2 is summed a few rows of U at a time, and
+// every partial sum is a lower bound (eight rows of a hundred give nine tenths of sqrt(D)). From
+// one call to the next sqrt(D) falls by at most |dz| + |E_g| |dR|: the whitened modes of a model
+// have |J_g dz| <= |dz|.
 #pragma once
 
 #include "solve/pose_model.h"
@@ -34,6 +36,11 @@ class NearnessStep {
   // No more than sqrt(D_gs).
   double LowerBound(int block) const { return lower_[static_cast<size_t>(block)]; }
 
+  // The same, evaluated until it is at_least that or is_exact.
+  double RaiseBound(const PoseModel& model, int block, double at_least);
+
+  bool is_exact(int block) const { return rows_done_[static_cast<size_t>(block)] >= size_; }
+
  private:
   void MeetTargets(const PoseModel& model, const PinSet& pins, size_t shape, const double* targets,
                    const double* turns);
@@ -45,17 +52,17 @@ class NearnessStep {
   double* Modes(size_t shape) { return modes_.data() + shape * K * stride_; }
 
   const SolveKernels& kernels_;
-  size_t shape_planes_, stride_;          // numbers that a shape's rotations take, and a row of z
+  size_t shape_planes_, size_, stride_;   // a shape's rotations; rows of [z; -R^T], and padded
   AlignedVector<double> rotations_;       // planes over groups, shape after shape
   AlignedVector<double> last_rotations_;  // one shape's before
-  AlignedVector<double> modes_;           // z, [S][K][stride]
+  AlignedVector<double> modes_;           // [z; -R^T of the last group asked for], [S][K][stride]
   AlignedVector<double> last_modes_;      // one shape's before
   AlignedVector<double> gaps_;            // X - C b, [c][K]
   AlignedVector<double> fits_;            // planes over groups
-  AlignedVector<double> stacked_;         // [z; -R^T], [K][stride]
   AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
   std::vector<double> lower_;             // [G*S]
-  std::vector<uint8_t> is_exact_;         // [G*S]
+  std::vector<double> energies_;          // [G*S]: D of the rows done
+  std::vector<size_t> rows_done_;         // [G*S]: rows of U
   std::vector<uint8_t> failed_;           // [G padded]
 };
 

@@ -60,7 +60,10 @@ class TrustRegion<K>::Term final : public NearnessTerm {
         alternation_(alternation),
         scale_(scale) {}
 
-  double Exact(int block) override { return scale_ * alternation_->Nearness(model_, block); }
+  Bound Raise(int block, double at_least) override {
+    const Bound bound = alternation_->RaiseNearness(model_, block, at_least / scale_);
+    return {scale_ * bound.value, bound.is_exact};
+  }
 
  private:
   const PoseModel& model_;

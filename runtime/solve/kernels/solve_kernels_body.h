@@ -206,12 +206,10 @@ static void SingleFits(const double* edges, const double* modes, size_t num_mode
   }
 }
 
-// Rows first to first + 7 of U x, columns in pairs that hide each other's latency; sums of squares.
+// |rows 0 to 7 of a factor times x|^2, columns in pairs that hide each other's latency.
 template <int K>
-static inline __attribute__((always_inline)) void AddRowSquares(const float* factor,
-                                                                const double* x, size_t columns,
-                                                                size_t stride,
-                                                                Lanes (&squares)[kLanes / kWidth]) {
+static inline __attribute__((always_inline)) double RowSquares(const float* factor, const double* x,
+                                                               size_t columns, size_t stride) {
   Lanes even[kLanes / kWidth][K] = {}, odd[kLanes / kWidth][K] = {};
   for (size_t column = 0; column + 1 < columns; column += 2, factor += 2 * kLanes) {
     for (size_t part = 0; part < kLanes / kWidth; ++part) {
@@ -223,6 +221,7 @@ static inline __attribute__((always_inline)) void AddRowSquares(const float* fac
       }
     }
   }
+  Lanes squares[kLanes / kWidth] = {};
   for (size_t part = 0; part < kLanes / kWidth; ++part) {
     for (size_t c = 0; c < K; ++c) {
       Lanes sum = even[part][c];
@@ -233,16 +232,20 @@ static inline __attribute__((always_inline)) void AddRowSquares(const float* fac
       squares[part] = MulAdd(sum, sum, squares[part]);
     }
   }
+  return Sum(squares);
 }
 
 template <int K>
-static double SingleEnergy(const float* factor, const double* x, size_t size, size_t stride) {
-  Lanes squares[kLanes / kWidth] = {};
-  for (size_t first = 0; first < size; first += kLanes) {
-    AddRowSquares<K>(factor, x + first, size - first, stride, squares);
+static void SingleEnergy(const float* factor, const double* x, size_t size, size_t stride,
+                         double at_least, size_t* rows_done, double* energy) {
+  for (size_t first = 0; first < *rows_done; first += kLanes)
     factor += (size - first) * kLanes;
+  while (*rows_done < size && !(*energy >= at_least)) {
+    const size_t first = *rows_done;
+    *energy += RowSquares<K>(factor, x + first, size - first, stride);
+    factor += (size - first) * kLanes;
+    *rows_done = first + kLanes;
   }
-  return Sum(squares);
 }
 
 // Left-looking, column by column: the inner loop runs down a column. Rows above the diagonal that
