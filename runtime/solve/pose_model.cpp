@@ -105,17 +105,17 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
   const auto groups = static_cast<size_t>(model->num_groups);
   const auto k = static_cast<size_t>(model->k), r1 = static_cast<size_t>(model->num_single_modes);
   const size_t stride = model->single_stride();
-  model->single_edges_by_mode.assign(shapes * groups * k * stride, 0.0);
+  model->single_edges_by_mode.assign(shapes * groups * k * stride, 0.0f);
   const size_t shape_size = model->group_chunks() * r1 * k * kBlockLanes;
-  model->single_edges_by_group.assign(shapes * shape_size, 0.0);
+  model->single_edges_by_group.assign(shapes * shape_size, 0.0f);
   const float* edges = tables.single_edges.data();
   for (size_t row = 0; row < shapes * groups * k; ++row, edges += r1) {
     const size_t s = row / (groups * k), g = row / k % groups, a = row % k;
-    double* by_mode = model->single_edges_by_mode.data() + row * stride;
-    double* by_group = model->single_edges_by_group.data() + s * shape_size +
+    float* by_mode = model->single_edges_by_mode.data() + row * stride;
+    float* by_group = model->single_edges_by_group.data() + s * shape_size +
                        (g / kBlockLanes * r1 * k + a) * kBlockLanes + g % kBlockLanes;
     for (size_t m = 0; m < r1; ++m)
-      by_mode[m] = by_group[m * k * kBlockLanes] = static_cast<double>(edges[m]);
+      by_mode[m] = by_group[m * k * kBlockLanes] = edges[m];
   }
 }
 

@@ -61,11 +61,11 @@ struct SolveKernels {
 
   // A model of one shape: z = sum_g sum_a edges(g, a, :) R_g(:, a)^T; edges: [groups][K][stride];
   // rotations: planes over groups; z: [K][stride] with a stride of 8 mode_chunks.
-  void (*single_modes)(const double* edges, const double* rotations, size_t groups,
+  void (*single_modes)(const float* edges, const double* rotations, size_t groups,
                        size_t mode_chunks, double* modes);
   // fits_g(a, c) = sum_m edges(m, a, g) z(m, c); edges: [group chunk][modes][K][8];
   // z: [K][stride].
-  void (*single_fits)(const double* edges, const double* modes, size_t num_modes, size_t stride,
+  void (*single_fits)(const float* edges, const double* modes, size_t num_modes, size_t stride,
                       size_t chunks, double* fits);
   // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. factor: eight rows
   // after eight rows, of each its columns from the first row's own on, [column][8]. Goes on from

@@ -168,28 +168,47 @@ static void AddLoads(const double* loads, const double* values, size_t pins, siz
   }
 }
 
-template <int K>
-static void SingleModes(const double* edges, const double* rotations, size_t groups,
-                        size_t mode_chunks, double* modes) {
-  for (size_t at = 0; at < mode_chunks * kLanes; at += kWidth) {
-    Lanes sum[K] = {};
-    for (size_t g = 0; g < groups; ++g) {
-      for (size_t a = 0; a < K; ++a) {
-        const Lanes edge = Load(edges + (g * K + a) * mode_chunks * kLanes + at);
+// kParts times kWidth modes at once, whose sums hide each other's latency.
+template <int K, size_t kParts>
+static inline __attribute__((always_inline)) void SingleModesAt(const float* edges,
+                                                                const double* rotations,
+                                                                size_t groups, size_t stride,
+                                                                double* modes) {
+  Lanes sum[kParts][K] = {};
+  for (size_t g = 0; g < groups; ++g) {
+    for (size_t a = 0; a < K; ++a, edges += stride) {
+      for (size_t part = 0; part < kParts; ++part) {
+        const Lanes edge = Load(edges + part * kWidth);
         for (size_t c = 0; c < K; ++c)
-          sum[c] = MulAdd(edge, Splat(rotations[PlaneIndex<K>(g, c, a)]), sum[c]);
+          sum[part][c] = MulAdd(edge, Splat(rotations[PlaneIndex<K>(g, c, a)]), sum[part][c]);
       }
     }
+  }
+  for (size_t part = 0; part < kParts; ++part) {
     for (size_t c = 0; c < K; ++c)
-      Store(sum[c], modes + c * mode_chunks * kLanes + at);
+      Store(sum[part][c], modes + c * stride + part * kWidth);
   }
 }
 
 template <int K>
-static void SingleFits(const double* edges, const double* modes, size_t num_modes, size_t stride,
+static void SingleModes(const float* edges, const double* rotations, size_t groups,
+                        size_t mode_chunks, double* modes) {
+  const size_t stride = mode_chunks * kLanes;
+  size_t at = 0;
+  for (; at + 4 * kWidth <= stride; at += 4 * kWidth)
+    SingleModesAt<K, 4>(edges + at, rotations, groups, stride, modes + at);
+  if (at + 2 * kWidth <= stride) {
+    SingleModesAt<K, 2>(edges + at, rotations, groups, stride, modes + at);
+    at += 2 * kWidth;
+  }
+  if (at < stride) SingleModesAt<K, 1>(edges + at, rotations, groups, stride, modes + at);
+}
+
+template <int K>
+static void SingleFits(const float* edges, const double* modes, size_t num_modes, size_t stride,
                        size_t chunks, double* fits) {
   for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-    const double* edge = edges + Offset(at, num_modes * K);
+    const float* edge = edges + Offset(at, num_modes * K);
     double* out = fits + Offset(at, size_t{K} * K);
     Lanes sum[K][K] = {};
     for (size_t m = 0; m < num_modes; ++m, edge += K * kLanes) {

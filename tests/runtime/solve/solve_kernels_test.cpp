@@ -187,8 +187,9 @@ TYPED_TEST(SolveKernelsTest, ModelsOfOneShape_AreTheirFormulas) {
   constexpr int K = TypeParam::value;
   const size_t modes = 13, stride = PaddedSize(modes + K);
   const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
-  AlignedVector<double> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
-  const auto edge = this->numbers_.Some(kBlocks * K * modes);
+  AlignedVector<float> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
+  const auto doubles = this->numbers_.Some(kBlocks * K * modes);
+  const std::vector<float> edge(doubles.begin(), doubles.end());
   for (size_t g = 0; g < kBlocks; ++g) {
     for (size_t a = 0; a < K; ++a) {
       for (size_t m = 0; m < modes; ++m) {
@@ -209,8 +210,9 @@ TYPED_TEST(SolveKernelsTest, ModelsOfOneShape_AreTheirFormulas) {
     run(set);
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(Eigen::Index(modes), K);
     const auto edges = [&](size_t g) {
-      return Eigen::Map<const Eigen::Matrix<double, K, Eigen::Dynamic, Eigen::RowMajor>>(
-          edge.data() + g * K * modes, K, Eigen::Index(modes));
+      using Edges = Eigen::Matrix<float, K, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Map<const Edges> map(edge.data() + g * K * modes, K, Eigen::Index(modes));
+      return Eigen::MatrixXd(map.template cast<double>());
     };
     for (size_t g = 0; g < kBlocks; ++g) {
       const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), g);
