@@ -29,7 +29,7 @@ NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
       fits_(shape_planes_),
       turned_(model.group_chunks() * kBlockLanes),
       lower_(static_cast<size_t>(model.num_blocks)),
-      energies_(lower_.size()),
+      squares_(lower_.size() * kBlockLanes),
       rows_done_(lower_.size()),
       failed_(model.group_chunks() * kBlockLanes) {
   Reset();
@@ -127,7 +127,7 @@ void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const doub
     }
     LowerBounds(model, s);
   }
-  std::fill(energies_.begin(), energies_.end(), 0.0);
+  std::fill(squares_.begin(), squares_.end(), 0.0);
   std::fill(rows_done_.begin(), rows_done_.end(), size_t{0});
 }
 
@@ -141,9 +141,9 @@ double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_
     for (size_t a = 0; a < K; ++a)
       modes[c * stride_ + (size_ - K) + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
   }
-  kernels_.single_energy(model.single_factors.data() + i * model.single_factor_size, modes, size_,
-                         stride_, at_least * at_least, &rows_done_[i], &energies_[i]);
-  const double root = std::sqrt(energies_[i]);
+  const double root = std::sqrt(kernels_.single_energy(
+      model.single_factors.data() + i * model.single_factor_size, modes, size_, stride_,
+      at_least * at_least, &rows_done_[i], squares_.data() + i * kBlockLanes));
   lower_[i] = is_exact(block) ? root : std::max(lower_[i], root);
   return lower_[i];
 }

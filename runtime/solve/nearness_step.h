@@ -61,7 +61,7 @@ class NearnessStep {
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
   std::vector<double> lower_;             // [G*S]
-  std::vector<double> energies_;          // [G*S]: D of the rows done
+  AlignedVector<double> squares_;         // [G*S][8]: what the rows done add to D
   std::vector<size_t> rows_done_;         // [G*S]: rows of U
   std::vector<uint8_t> failed_;           // [G padded]
 };

@@ -69,9 +69,10 @@ struct SolveKernels {
                       size_t chunks, double* fits);
   // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. factor: eight rows
   // after eight rows, of each its columns from the first row's own on, [column][8]. Goes on from
-  // *rows_done rows, whose sum is *energy, until that is at_least or all rows are done.
-  void (*single_energy)(const float* factor, const double* x, size_t size, size_t stride,
-                        double at_least, size_t* rows_done, double* energy);
+  // *rows_done rows, whose energies are in squares, [8], until their sum is at_least or all rows
+  // are done; returns the sum.
+  double (*single_energy)(const float* factor, const double* x, size_t size, size_t stride,
+                          double at_least, size_t* rows_done, double* squares);
 
   // out(:, c) += sum_b table(b, :) m(c, b); table: [chunk][K][8]; out: [chunk][K][8].
   void (*add_transforms)(const float* table, const double* m, size_t chunks, double* out);

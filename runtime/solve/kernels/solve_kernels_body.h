@@ -225,46 +225,63 @@ static void SingleFits(const float* edges, const double* modes, size_t num_modes
   }
 }
 
-// |rows 0 to 7 of a factor times x|^2, columns in pairs that hide each other's latency.
+// sums += column of a factor times x's row, of K numbers `stride` apart. Each number is loaded
+// where it is used: with all of them in registers there would not be enough for the sums.
 template <int K>
-static inline __attribute__((always_inline)) double RowSquares(const float* factor, const double* x,
-                                                               size_t columns, size_t stride) {
-  Lanes even[kLanes / kWidth][K] = {}, odd[kLanes / kWidth][K] = {};
-  for (size_t column = 0; column + 1 < columns; column += 2, factor += 2 * kLanes) {
-    for (size_t part = 0; part < kLanes / kWidth; ++part) {
-      const Lanes one = Load(factor + part * kWidth);
-      const Lanes two = Load(factor + kLanes + part * kWidth);
-      for (size_t c = 0; c < K; ++c) {
-        even[part][c] = MulAdd(one, Splat(x[c * stride + column]), even[part][c]);
-        odd[part][c] = MulAdd(two, Splat(x[c * stride + column + 1]), odd[part][c]);
-      }
-    }
+static inline __attribute__((always_inline)) void AddColumn(const float* column, const double* x,
+                                                            size_t stride,
+                                                            Lanes (&sums)[K][kLanes / kWidth]) {
+  Lanes entries[kLanes / kWidth];
+  for (size_t part = 0; part < kLanes / kWidth; ++part)
+    entries[part] = Load(column + part * kWidth);
+  for (size_t c = 0; c < K; ++c) {
+    const Lanes number = Splat(x[c * stride]);
+    for (size_t part = 0; part < kLanes / kWidth; ++part)
+      sums[c][part] = MulAdd(entries[part], number, sums[c][part]);
   }
-  Lanes squares[kLanes / kWidth] = {};
+}
+
+// Adds the squares of rows 0 to 7 of a factor times x, columns in pairs that hide each other's
+// latency.
+template <int K>
+static inline __attribute__((always_inline)) void AddRowSquares(const float* factor,
+                                                                const double* x, size_t columns,
+                                                                size_t stride,
+                                                                Lanes (&squares)[kLanes / kWidth]) {
+  Lanes even[K][kLanes / kWidth] = {}, odd[K][kLanes / kWidth] = {};
+  for (; columns >= 2; columns -= 2, factor += 2 * kLanes, x += 2) {
+    AddColumn<K>(factor, x, stride, even);
+    AddColumn<K>(factor + kLanes, x + 1, stride, odd);
+  }
+  if (columns != 0) AddColumn<K>(factor, x, stride, even);
   for (size_t part = 0; part < kLanes / kWidth; ++part) {
     for (size_t c = 0; c < K; ++c) {
-      Lanes sum = even[part][c];
-      if (columns % 2 != 0) {
-        sum = MulAdd(Load(factor + part * kWidth), Splat(x[c * stride + columns - 1]), sum);
-      }
-      sum += odd[part][c];
+      const Lanes sum = even[c][part] + odd[c][part];
       squares[part] = MulAdd(sum, sum, squares[part]);
     }
   }
-  return Sum(squares);
 }
 
 template <int K>
-static void SingleEnergy(const float* factor, const double* x, size_t size, size_t stride,
-                         double at_least, size_t* rows_done, double* energy) {
-  for (size_t first = 0; first < *rows_done; first += kLanes)
+static double SingleEnergy(const float* factor, const double* x, size_t size, size_t stride,
+                           double at_least, size_t* rows_done, double* squares) {
+  size_t first = *rows_done;
+  for (size_t row = 0; row < first; row += kLanes)
+    factor += (size - row) * kLanes;
+  Lanes sums[kLanes / kWidth];
+  for (size_t part = 0; part < kLanes / kWidth; ++part)
+    sums[part] = Load(squares + part * kWidth);
+  // No partial sum reaches infinity, and none is looked at.
+  const bool in_parts = at_least <= 1e300;
+  while (first < size && !(in_parts && Sum(sums) >= at_least)) {
+    AddRowSquares<K>(factor, x + first, size - first, stride, sums);
     factor += (size - first) * kLanes;
-  while (*rows_done < size && !(*energy >= at_least)) {
-    const size_t first = *rows_done;
-    *energy += RowSquares<K>(factor, x + first, size - first, stride);
-    factor += (size - first) * kLanes;
-    *rows_done = first + kLanes;
+    first += kLanes;
   }
+  *rows_done = first;
+  for (size_t part = 0; part < kLanes / kWidth; ++part)
+    Store(sums[part], squares + part * kWidth);
+  return Sum(sums);
 }
 
 // Left-looking, column by column: the inner loop runs down a column. Rows above the diagonal that

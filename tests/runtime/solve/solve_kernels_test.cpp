@@ -254,12 +254,10 @@ TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
     const double expected = (u.cast<double>() * stacked).squaredNorm();
     const auto run = [&](const SolveKernels& set) {
       size_t rows = 0;
-      double energy = 0;
-      AlignedVector<double> sums;  // chunk after chunk: each goes on, and none goes back
+      AlignedVector<double> squares(8), sums(1);  // eight rows after the other: each goes on
       while (rows < size) {
-        set.single_energy(factor.data(), x.data(), size, stride, std::nextafter(energy, 1e9), &rows,
-                          &energy);
-        sums.push_back(energy);
+        sums.push_back(set.single_energy(factor.data(), x.data(), size, stride,
+                                         std::nextafter(sums.back(), 1e9), &rows, squares.data()));
       }
       return sums;
     };
@@ -267,14 +265,16 @@ TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
       const AlignedVector<double> sums = run(set);
       EXPECT_NEAR(sums.back(), expected, 1e-13 * expected);
       for (size_t chunk = 0; chunk < sums.size(); ++chunk) {
-        const Eigen::Index rows = std::min(Eigen::Index(8 * (chunk + 1)), u.rows());
+        const Eigen::Index rows = std::min(Eigen::Index(8 * chunk), u.rows());
         const double part = (u.topRows(rows).cast<double>() * stacked).squaredNorm();
         EXPECT_NEAR(sums[chunk], part, 1e-13 * expected);
       }
       size_t rows = 0;
-      double energy = 0;
-      set.single_energy(factor.data(), x.data(), size, stride, 1e300, &rows, &energy);
-      EXPECT_EQ(energy, sums.back()) << "in one go or in several";
+      AlignedVector<double> squares(8);
+      EXPECT_EQ(set.single_energy(factor.data(), x.data(), size, stride, INFINITY, &rows,
+                                  squares.data()),
+                sums.back())
+          << "in one go or in several";
     });
     this->ExpectSameBits(run);
   }
