@@ -11,18 +11,18 @@
 // it was. A rotation at rest is not moved by this.
 #pragma once
 
-#include "solve/kernels/lanes.h"
+#include "solve/kernels/chunk.h"
 #include "solve/kernels/solve_kernels.h"
 
 namespace limber::LIMBER_KERNEL_NAMESPACE {
 
-static constexpr double kBias = 1e-9;               // of M's largest entry
-static constexpr int kMaxNewtonSteps = 6;           // three are usual
-static constexpr double kConverged = 1e-10;         // |w|^2 of a last step: about what is left then
+static constexpr double kBias = 1e-9;        // of M's largest entry
+static constexpr int kMaxNewtonSteps = 6;    // three are usual
+static constexpr double kConverged = 1e-10;  // |w|^2 of a last step: cubic, so that nothing is left
 static constexpr double kTorqueOfRounding = 1e-14;  // |v| that means nothing, of M's largest entry
 static constexpr double kFarthest = 1.0;  // |w|^2 that a quadratic model can be trusted with
 
-using Matrix3 = Lanes[3][3];
+using Matrix3 = Chunk[3][3];
 
 static inline __attribute__((always_inline)) void Multiply(const Matrix3& x, const Matrix3& y,
                                                            Matrix3& product) {
@@ -38,9 +38,9 @@ static inline __attribute__((always_inline)) void Multiply(const Matrix3& x, con
 static inline __attribute__((always_inline)) void Orthonormalise(Matrix3& r) {
   Matrix3 gap, result;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      gap[i][j] = -0.5 * (r[0][i] * r[0][j] + r[1][i] * r[1][j] + r[2][i] * r[2][j]);
-      if (i == j) gap[i][j] += 1.5;
+    for (int j = 0; j <= i; ++j) {
+      const Chunk product = MulAdd(r[0][i], r[0][j], MulAdd(r[1][i], r[1][j], r[2][i] * r[2][j]));
+      gap[i][j] = gap[j][i] = MulAdd(SplatChunk(-0.5), product, SplatChunk(i == j ? 1.5 : 0));
     }
   }
   Multiply(r, gap, result);
@@ -48,36 +48,38 @@ static inline __attribute__((always_inline)) void Orthonormalise(Matrix3& r) {
 }
 
 // Where only the bias holds R, rounding alone would turn it, a little every frame.
-static inline __attribute__((always_inline)) Lanes WithoutRounding(Lanes torque) {
-  return Abs(torque) > kTorqueOfRounding ? torque : Lanes{};
+static inline __attribute__((always_inline)) Chunk WithoutRounding(Chunk torque) {
+  return Select(Abs(torque) > kTorqueOfRounding, torque, Chunk{});
 }
 
 // w = A^-1 v; returns where A is positive definite.
-static inline __attribute__((always_inline)) Mask NewtonStep(const Matrix3& s, Lanes (&w)[3]) {
-  const Lanes a00 = s[1][1] + s[2][2], a11 = s[0][0] + s[2][2], a22 = s[0][0] + s[1][1];
-  const Lanes a01 = -0.5 * (s[0][1] + s[1][0]), a02 = -0.5 * (s[0][2] + s[2][0]),
+static inline __attribute__((always_inline)) ChunkMask NewtonStep(const Matrix3& s, Chunk (&w)[3]) {
+  const Chunk a00 = s[1][1] + s[2][2], a11 = s[0][0] + s[2][2], a22 = s[0][0] + s[1][1];
+  const Chunk a01 = -0.5 * (s[0][1] + s[1][0]), a02 = -0.5 * (s[0][2] + s[2][0]),
               a12 = -0.5 * (s[1][2] + s[2][1]);
-  const Lanes c00 = a11 * a22 - a12 * a12, c01 = a02 * a12 - a01 * a22, c02 = a01 * a12 - a02 * a11,
-              c11 = a00 * a22 - a02 * a02, c12 = a01 * a02 - a00 * a12, c22 = a00 * a11 - a01 * a01;
-  const Lanes determinant = a00 * c00 + a01 * c01 + a02 * c02;
-  const Mask definite = (a00 > 0) & (c22 > 0) & (determinant > 0);
-  const Lanes inverse = 1 / (definite ? determinant : Splat(1));
-  const Lanes v0 = WithoutRounding(s[1][2] - s[2][1]), v1 = WithoutRounding(s[2][0] - s[0][2]),
+  const Chunk c00 = MulSub(a11, a22, a12 * a12), c01 = MulSub(a02, a12, a01 * a22),
+              c02 = MulSub(a01, a12, a02 * a11), c11 = MulSub(a00, a22, a02 * a02),
+              c12 = MulSub(a01, a02, a00 * a12), c22 = MulSub(a00, a11, a01 * a01);
+  const Chunk determinant = MulAdd(a00, c00, MulAdd(a01, c01, a02 * c02));
+  const ChunkMask definite = (a00 > 0) & (c22 > 0) & (determinant > 0);
+  const Chunk inverse = 1 / Select(definite, determinant, SplatChunk(1));
+  const Chunk v0 = WithoutRounding(s[1][2] - s[2][1]), v1 = WithoutRounding(s[2][0] - s[0][2]),
               v2 = WithoutRounding(s[0][1] - s[1][0]);
-  w[0] = (c00 * v0 + c01 * v1 + c02 * v2) * inverse;
-  w[1] = (c01 * v0 + c11 * v1 + c12 * v2) * inverse;
-  w[2] = (c02 * v0 + c12 * v1 + c22 * v2) * inverse;
+  w[0] = MulAdd(c00, v0, MulAdd(c01, v1, c02 * v2)) * inverse;
+  w[1] = MulAdd(c01, v0, MulAdd(c11, v1, c12 * v2)) * inverse;
+  w[2] = MulAdd(c02, v0, MulAdd(c12, v1, c22 * v2)) * inverse;
   return definite;
 }
 
 // R <- Q R with Q the rotation of the quaternion (1, w/2): exp([w]) to third order.
-static inline __attribute__((always_inline)) void Turn(const Lanes (&w)[3], Matrix3& r) {
-  const Lanes x = 0.5 * w[0], y = 0.5 * w[1], z = 0.5 * w[2];
-  const Lanes inverse = 2 / (1 + x * x + y * y + z * z);
-  const Lanes real = inverse - 1;  // (1 - |w/2|^2) / (1 + |w/2|^2)
-  const Matrix3 q = {{real + inverse * x * x, inverse * (x * y - z), inverse * (x * z + y)},
-                     {inverse * (x * y + z), real + inverse * y * y, inverse * (y * z - x)},
-                     {inverse * (x * z - y), inverse * (y * z + x), real + inverse * z * z}};
+static inline __attribute__((always_inline)) void Turn(const Chunk (&w)[3], Matrix3& r) {
+  const Chunk x = 0.5 * w[0], y = 0.5 * w[1], z = 0.5 * w[2];
+  const Chunk inverse = 2 / MulAdd(x, x, MulAdd(y, y, MulAdd(z, z, SplatChunk(1))));
+  const Chunk real = inverse - 1;  // (1 - |w/2|^2) / (1 + |w/2|^2)
+  const Chunk u = inverse * x, v = inverse * y, t = inverse * z;
+  const Matrix3 q = {{MulAdd(u, x, real), MulSub(u, y, t), MulAdd(u, z, v)},
+                     {MulAdd(u, y, t), MulAdd(v, y, real), MulSub(v, z, u)},
+                     {MulSub(u, z, v), MulAdd(v, z, u), MulAdd(t, z, real)}};
   Matrix3 result;
   Multiply(q, r, result);
   __builtin_memcpy(&r, &result, sizeof(Matrix3));
@@ -86,49 +88,46 @@ static inline __attribute__((always_inline)) void Turn(const Lanes (&w)[3], Matr
 // M: the fits, scaled to a largest entry of one, and the bias.
 static inline __attribute__((always_inline)) void ScaledFits(const double* fits, const Matrix3& r,
                                                              Matrix3& m) {
-  Lanes largest = Splat(1e-300);
+  Chunk largest = SplatChunk(1e-300);
   for (int i = 0; i < 9; ++i)
-    largest = Max(largest, Abs(Load(fits + i * kLanes)));
-  const Lanes inverse = 1 / largest;
+    largest = Max(largest, Abs(LoadChunk(fits + i * kLanes)));
+  const Chunk inverse = 1 / largest;
   for (int a = 0; a < 3; ++a) {
     for (int c = 0; c < 3; ++c)
-      m[a][c] = Load(fits + (a * 3 + c) * kLanes) * inverse + kBias * r[c][a];
+      m[a][c] = MulAdd(LoadChunk(fits + (a * 3 + c) * kLanes), inverse, kBias * r[c][a]);
   }
 }
 
-static inline void FitLanes3(const double* fits, double* rotations, uint8_t* failed) {
+static inline void FitChunk3(const double* fits, double* rotations, uint8_t* failed) {
   Matrix3 r, start, m, s;
   for (int i = 0; i < 9; ++i)
-    r[i / 3][i % 3] = Load(rotations + i * kLanes);
+    r[i / 3][i % 3] = LoadChunk(rotations + i * kLanes);
   Orthonormalise(r);
   __builtin_memcpy(&start, &r, sizeof(Matrix3));
   ScaledFits(fits, r, m);
-  Mask lost = {}, settled = {};  // a settled lane is left alone, whatever its neighbours need
+  ChunkMask lost = {}, settled = {};  // a settled lane is left alone, whatever its neighbours need
   for (int step = 0; step < kMaxNewtonSteps; ++step) {
-    Lanes w[3];
+    Chunk w[3];
     Multiply(r, m, s);
-    const Mask definite = NewtonStep(s, w);
-    const Lanes squared = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-    lost |= ~settled & ~(definite & (squared <= kFarthest));
-    for (Lanes& component : w)
-      component = (lost | settled) ? Lanes{} : component;
+    const ChunkMask definite = NewtonStep(s, w);
+    const Chunk squared = MulAdd(w[0], w[0], MulAdd(w[1], w[1], w[2] * w[2]));
+    lost = lost | (~settled & ~(definite & (squared <= kFarthest)));
+    for (Chunk& component : w)
+      component = Select(lost | settled, Chunk{}, component);
     Turn(w, r);
-    settled |= ~lost & (squared <= kConverged);
-    int64_t moving = 0;
-    for (size_t lane = 0; lane < kWidth; ++lane)
-      moving |= ~(lost[lane] | settled[lane]);
-    if (moving == 0) break;
+    settled = settled | (~lost & (squared <= kConverged));
+    if (AreAllSet(lost | settled)) break;
   }
-  lost |= ~settled;
+  lost = lost | ~settled;
   for (int i = 0; i < 9; ++i)
-    Store(lost ? start[i / 3][i % 3] : r[i / 3][i % 3], rotations + i * kLanes);
-  for (size_t lane = 0; lane < kWidth; ++lane)
-    failed[lane] = lost[lane] != 0 ? 1 : 0;
+    Store(Select(lost, start[i / 3][i % 3], r[i / 3][i % 3]), rotations + i * kLanes);
+  for (size_t lane = 0; lane < kLanes; ++lane)
+    failed[lane] = IsSet(lost, lane) ? 1 : 0;
 }
 
 // tr(R M) = cos (m00 + m11) + sin (m01 - m10).
-static inline void FitLanes2(const double* fits, double* rotations, uint8_t* failed) {
-  for (size_t lane = 0; lane < kWidth; ++lane) {
+static inline void FitChunk2(const double* fits, double* rotations, uint8_t* failed) {
+  for (size_t lane = 0; lane < kLanes; ++lane) {
     double largest = 1e-300;
     for (int i = 0; i < 4; ++i) {
       const double size = __builtin_fabs(fits[i * kLanes + lane]);
@@ -149,12 +148,12 @@ static inline void FitLanes2(const double* fits, double* rotations, uint8_t* fai
 
 template <int K>
 static void FitRotations(const double* fits, double* rotations, size_t chunks, uint8_t* failed) {
-  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-    const size_t offset = at / kLanes * (size_t{K} * K * kLanes) + at % kLanes;
+  constexpr size_t kPlanes = size_t{K} * K * kLanes;
+  for (size_t chunk = 0; chunk < chunks; ++chunk) {
     if constexpr (K == 3) {
-      FitLanes3(fits + offset, rotations + offset, failed + at);
+      FitChunk3(fits + chunk * kPlanes, rotations + chunk * kPlanes, failed + chunk * kLanes);
     } else {
-      FitLanes2(fits + offset, rotations + offset, failed + at);
+      FitChunk2(fits + chunk * kPlanes, rotations + chunk * kPlanes, failed + chunk * kLanes);
     }
   }
 }
