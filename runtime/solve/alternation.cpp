@@ -15,17 +15,6 @@ constexpr double kNearnessFloor = 1e-6;
 // A bound is raised by so much more than what is asked for that rounding does not have it fail.
 constexpr double kRootSlack = 1e-12;
 
-// scale * R_block, row-major.
-template <int K>
-void ScaledRotation(const AlignedVector<double>& rotations, int block, double scale, double* m) {
-  for (size_t row = 0; row < K; ++row) {
-    for (size_t column = 0; column < K; ++column) {
-      m[row * K + column] =
-          scale * rotations[PlaneIndex<K>(static_cast<size_t>(block), row, column)];
-    }
-  }
-}
-
 }  // namespace
 
 template <int K>
@@ -35,7 +24,8 @@ void RotatedColumns<K>::Column(int block, double* column) {
     return;
   }
   double turn[K * K];
-  ScaledRotation<K>(rotations_, block, 1, turn);
+  for (size_t entry = 0; entry < size_t{K} * K; ++entry)
+    turn[entry] = rotations_[PlaneIndex<K>(static_cast<size_t>(block), entry / K, entry % K)];
   ChooseSolveKernels<K>().rotate_column(model_.GramColumn(block), rotations_.data(), turn,
                                         model_.chunks(), column);
 }
@@ -70,6 +60,7 @@ Alternation<K>::Alternation(const PoseModel& model, size_t max_pins, size_t max_
       fits_(rotations_),
       pin_values_(goal_.size() + size_t{K} * (K + 1)),
       transforms_(model.row_chunks() * kBlockLanes * K),
+      active_(model.num_blocks),
       failed_(blend_.size()),
       blend_step_(kernels_, model.num_groups, model.num_shapes, static_cast<int>(goal_.size())),
       uniform_step_(kernels_, 1, model.num_shapes, static_cast<int>(goal_.size())),
@@ -151,24 +142,21 @@ void Alternation<K>::RotateLoads(const PoseModel& model) {
 template <int K>
 void Alternation<K>::UpdateResidual(const PoseModel& model) {
   const size_t rows = pins_->rank() * K;
-  for (size_t row = 0; row < rows; ++row) {
-    residual_[row] = goal_[row] - kernels_.dot(rows_.data() + row * blend_.size(), blend_.data(),
-                                               model.chunks());
-  }
+  kernels_.dot_rows(rows_.data(), blend_.size(), rows, blend_.data(), model.chunks(),
+                    residual_.data());
+  for (size_t row = 0; row < rows; ++row)
+    residual_[row] = goal_[row] - residual_[row];
   std::fill(residual_.begin() + static_cast<ptrdiff_t>(rows), residual_.end(), 0.0);
 }
 
 // P_i = sum_j gram_ij B_j R_j^T; of a folded rig it is not needed.
 template <int K>
 void Alternation<K>::UpdateProduct(const PoseModel& model) {
+  active_.Collect(blend_, rotations_);
   if (model.is_folded) return;
   std::fill(product_.begin(), product_.end(), 0.0);
-  for (int j = 0; j < model.num_blocks; ++j) {
-    if (blend_[static_cast<size_t>(j)] == 0) continue;
-    double m[K * K];
-    ScaledRotation<K>(rotations_, j, blend_[static_cast<size_t>(j)], m);
-    kernels_.add_product(model.GramColumn(j), m, model.chunks(), product_.data());
-  }
+  kernels_.add_products(model.gram.data(), model.gram_stride, active_.blocks().data(),
+                        active_.scaled(0), active_.size(), model.chunks(), product_.data());
 }
 
 // K^ and its best rotation (eq. 22, 23), of every shape and group; returns the largest change
@@ -181,19 +169,19 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
   last_rotations_ = rotations_;
   for (size_t i = 0; i < fits_.size(); ++i)
     fits_[i] = -product_[i];
-  for (int j = 0; j < model.num_blocks; ++j) {
-    if (blend_[static_cast<size_t>(j)] == 0) continue;
-    double m[K * K];
-    ScaledRotation<K>(rotations_, j, blend_[static_cast<size_t>(j)], m);
-    kernels_.add_product(model.NearColumn(j), m, model.near_chunks(j),
-                         fits_.data() + model.near_first(j) * kBlockLanes * (size_t{K} * K));
+  for (size_t at = 0; at < active_.size(); ++at) {
+    const int* j = active_.blocks().data() + at;
+    kernels_.add_products(model.near.data(), model.near_stride, j, active_.scaled(at), 1,
+                          model.near_chunks(*j),
+                          fits_.data() + model.near_first(*j) * kBlockLanes * (size_t{K} * K));
   }
   UpdateResidual(model);  // of the last B and R, for the present targets
   kernels_.add_loads(pins_->loads.data(), residual_.data(), pins_->rank(), model.chunks(),
                      fits_.data());
   FitRotationPlanes<K>(kernels_, static_cast<size_t>(model.num_blocks), fits_, rotations_.data(),
                        &failed_);
-  RotationChanges<K>(rotations_.data(), last_rotations_.data(), model.chunks(), column_.data());
+  kernels_.rotation_changes(rotations_.data(), last_rotations_.data(), model.chunks(),
+                            column_.data());
   double change = 0;
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend_[i] != 0) change = std::max(change, column_[i]);
@@ -322,7 +310,9 @@ BlendReport Alternation<K>::RepeatConvexStep(const PoseModel& model) {
   blend_step_.ForgetColumns();
   uniform_step_.ForgetColumns();
   RotateLoads(model);
-  return SolveConvexStep(model);
+  const BlendReport report = SolveConvexStep(model);
+  active_.Collect(blend_, rotations_);
+  return report;
 }
 
 template <int K>
@@ -365,27 +355,23 @@ const AlignedVector<double>& Alternation<K>::Transforms(const PoseModel& model) 
     }
   }
   std::copy_n(residual_.begin(), pins.rank() * K, pin_values_.begin() + K);
-  for (int j = 0; j < model.num_blocks; ++j) {
-    const double weight = blend_[static_cast<size_t>(j)];
-    if (weight == 0) continue;
-    double m[K * K];
-    ScaledRotation<K>(rotations_, j, weight, m);
+  for (size_t at = 0; at < active_.size(); ++at) {
+    const double* shift = pins.shifts.data() + active_.blocks()[at];
     for (size_t c = 0; c < K; ++c) {
       for (size_t a = 0; a < K; ++a)
-        pin_values_[c] -= m[c * K + a] * pins.shifts[a * blend_.size() + static_cast<size_t>(j)];
+        pin_values_[c] -= active_.scaled(at)[c * K + a] * shift[a * blend_.size()];
     }
-    kernels_.add_transforms(
-        model.transform_response.data() + static_cast<size_t>(j) * transforms_.size(), m, chunks,
-        transforms_.data());
   }
-  for (size_t first = 0; first < 1 + pins.rank(); first += K) {
+  kernels_.add_transforms(model.transform_response.data(), active_.blocks().data(),
+                          active_.scaled(0), active_.size(), chunks, transforms_.data());
+  int table = 0;
+  for (size_t first = 0; first < 1 + pins.rank(); first += K, ++table) {
     double m[K * K];
     for (size_t c = 0; c < K; ++c) {
       for (size_t b = 0; b < K; ++b)
         m[c * K + b] = pin_values_[(first + b) * K + c];
     }
-    kernels_.add_transforms(pins.transforms.data() + first / K * transforms_.size(), m, chunks,
-                            transforms_.data());
+    kernels_.add_transforms(pins.transforms.data(), &table, m, 1, chunks, transforms_.data());
   }
   return transforms_;
 }
@@ -436,6 +422,7 @@ const AlignedVector<double>& Alternation<K>::TransformsOf(const PoseModel& model
   const auto trade_places = [&] {
     blend_.swap(other_blend_);
     rotations_.swap(other_rotations_);
+    active_.Collect(blend_, rotations_);
     RotateLoads(model);
     UpdateResidual(model);
   };

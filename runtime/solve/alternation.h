@@ -9,6 +9,7 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "solve/active_blocks.h"
 #include "solve/blend_weight_step.h"
 #include "solve/nearness_step.h"
 #include "solve/patch_turns.h"
@@ -161,6 +162,7 @@ class Alternation {
   AlignedVector<double> fits_;                        // K^, planes
   AlignedVector<double> pin_values_;                  // t and e, [1 + q and a little][K]
   AlignedVector<double> transforms_;                  // T^
+  ActiveBlocks<K> active_;                            // of the last B and R
   std::vector<uint8_t> failed_;                       // [padded], scratch
   BlendWeightStep blend_step_;
   BlendWeightStep uniform_step_;  // one blend for all groups

@@ -33,15 +33,6 @@ void TimesModes(const float* row, const double* modes, size_t num_modes, size_t 
   }
 }
 
-// B_j R_j, row-major.
-template <int K>
-void Weighted(const AlignedVector<double>& rotations, size_t block, double weight, double* m) {
-  for (size_t row = 0; row < K; ++row) {
-    for (size_t column = 0; column < K; ++column)
-      m[row * K + column] = weight * rotations[PlaneIndex<K>(block, row, column)];
-  }
-}
-
 }  // namespace
 
 template <>
@@ -74,6 +65,7 @@ ModeEnergy<K>::ModeEnergy(const PoseModel& model)
       stride_(PaddedSize(static_cast<size_t>(model.num_modes))),
       fits_(model.chunks() * kBlockLanes * K * K),
       near_(fits_),
+      active_(model.num_blocks),
       failed_(model.chunks() * kBlockLanes) {}
 
 template <int K>
@@ -107,15 +99,11 @@ void ModeEnergy<K>::AddEdges(const PoseModel& model, int block, const double* m,
 
 template <int K>
 void ModeEnergy<K>::Wanted(const PoseModel& model, const AlignedVector<double>& blend,
-                           const AlignedVector<double>& rotations, double* modes) const {
+                           const AlignedVector<double>& rotations, double* modes) {
   std::fill_n(modes, size(), 0.0);
-  for (int j = 0; j < model.num_blocks; ++j) {
-    const double weight = blend[static_cast<size_t>(j)];
-    if (weight == 0) continue;
-    double m[K * K];
-    Weighted<K>(rotations, static_cast<size_t>(j), weight, m);
-    AddEdges(model, j, m, modes);
-  }
+  active_.Collect(blend, rotations);
+  for (size_t at = 0; at < active_.size(); ++at)
+    AddEdges(model, active_.blocks()[at], active_.scaled(at), modes);
 }
 
 // The second fit starts where the first ended: nothing of the start is left but its choice between
@@ -138,13 +126,8 @@ void ModeEnergy<K>::Evaluate(const PoseModel& model, const double* modes,
   for (size_t i = 0; i < size(); ++i)
     parts->gap[i] = modes[i] - parts->gap[i];
   std::fill(parts->product.begin(), parts->product.end(), 0.0);
-  for (int j = 0; j < model.num_blocks; ++j) {
-    const double weight = blend[static_cast<size_t>(j)];
-    if (weight == 0) continue;
-    double m[K * K];
-    Weighted<K>(rotations, static_cast<size_t>(j), weight, m);
-    kernels_.add_product(model.GramColumn(j), m, model.chunks(), parts->product.data());
-  }
+  kernels_.add_products(model.gram.data(), model.gram_stride, active_.blocks().data(),
+                        active_.scaled(0), active_.size(), model.chunks(), parts->product.data());
   double rest = 0;
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend[i] == 0) continue;
@@ -162,13 +145,12 @@ void ModeEnergy<K>::SlopeThroughRotations(const PoseModel& model, const double* 
                                           const AlignedVector<double>& rotations, double* slope) {
   TimesEdges(model, modes, fits_.data());
   std::fill(near_.begin(), near_.end(), 0.0);
-  for (int j = 0; j < model.num_blocks; ++j) {
-    const double weight = blend[static_cast<size_t>(j)];
-    if (weight == 0) continue;
-    double m[K * K];
-    Weighted<K>(rotations, static_cast<size_t>(j), weight, m);
-    kernels_.add_product(model.NearColumn(j), m, model.near_chunks(j),
-                         near_.data() + model.near_first(j) * kBlockLanes * (size_t{K} * K));
+  active_.Collect(blend, rotations);
+  for (size_t at = 0; at < active_.size(); ++at) {
+    const int* j = active_.blocks().data() + at;
+    kernels_.add_products(model.near.data(), model.near_stride, j, active_.scaled(at), 1,
+                          model.near_chunks(*j),
+                          near_.data() + model.near_first(*j) * kBlockLanes * (size_t{K} * K));
   }
   std::fill_n(slope, size(), 0.0);
   for (int i = 0; i < model.num_blocks; ++i) {

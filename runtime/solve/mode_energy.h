@@ -18,6 +18,7 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "solve/active_blocks.h"
 #include "solve/pose_model.h"
 
 #include <Eigen/Core>
@@ -65,7 +66,7 @@ class ModeEnergy {
 
   // b.
   void Wanted(const PoseModel& model, const AlignedVector<double>& blend,
-              const AlignedVector<double>& rotations, double* modes) const;
+              const AlignedVector<double>& rotations, double* modes);
 
   // K_z,i z of all blocks, as planes.
   void TimesEdges(const PoseModel& model, const double* modes, double* planes) const;
@@ -86,6 +87,7 @@ class ModeEnergy {
   size_t stride_;
   AlignedVector<double> fits_;   // K^, planes
   AlignedVector<double> near_;   // sum_j B_j H_ij R_j^T, planes
+  ActiveBlocks<K> active_;       // of the last B and R that were given
   std::vector<uint8_t> failed_;  // [padded], scratch
 };
 

@@ -26,6 +26,7 @@ NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
       modes_(static_cast<size_t>(model.num_shapes) * K * stride_),
       last_modes_(K * stride_),
       gaps_(std::max(max_pins, model.pins->capacity()) * K),
+      images_(gaps_.size() / K),
       fits_(shape_planes_),
       turned_(model.group_chunks() * kBlockLanes),
       lower_(static_cast<size_t>(model.num_blocks)),
@@ -55,11 +56,10 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
   kernels_.single_modes(model.single_edges_by_mode.data() + shape * groups * K * stride_,
                         Rotations(shape), groups, chunks, modes);
   const double* held = pins.single_modes(shape);
-  for (size_t p = 0; p < count; ++p) {
-    for (size_t c = 0; c < K; ++c) {
-      gaps_[p * K + c] =
-          targets[p * K + c] - kernels_.dot(held + p * stride_, modes + c * stride_, chunks);
-    }
+  for (size_t c = 0; c < K; ++c) {
+    kernels_.dot_rows(held, stride_, count, modes + c * stride_, chunks, images_.data());
+    for (size_t p = 0; p < count; ++p)
+      gaps_[p * K + c] = targets[p * K + c] - images_[p];
   }
   // Of a turned patch the images so far are the free ones: less themselves turned.
   for (size_t turn = 0; turn < pins.turns.size(); ++turn) {
@@ -76,14 +76,15 @@ void NearnessStep<K>::MeetTargets(const PoseModel& model, const PinSet& pins, si
     }
   }
   const double* response = pins.single_response(shape);
-  for (size_t p = 0; p < count; ++p) {
-    const double* row = response + p * count;  // symmetric
-    for (size_t c = 0; c < K; ++c) {
-      double answer = 0;
+  for (size_t c = 0; c < K; ++c) {
+    double* answers = images_.data();
+    for (size_t p = 0; p < count; ++p) {
+      const double* row = response + p * count;  // symmetric
+      answers[p] = 0;
       for (size_t other = 0; other < count; ++other)
-        answer += row[other] * gaps_[other * K + c];
-      kernels_.add_scaled(answer, held + p * stride_, chunks, modes + c * stride_);
+        answers[p] += row[other] * gaps_[other * K + c];
     }
+    kernels_.add_rows(held, stride_, answers, count, chunks, modes + c * stride_);
   }
 }
 
@@ -106,8 +107,8 @@ void NearnessStep<K>::LowerBounds(const PoseModel& model, size_t shape) {
   const double squared =
       kernels_.dot(last_modes_.data(), last_modes_.data(), K * stride_ / kBlockLanes);
   const double moved = std::sqrt(squared) * (1 + kRootRounding);
-  RotationChanges<K>(Rotations(shape), last_rotations_.data(), model.group_chunks(),
-                     turned_.data());
+  kernels_.rotation_changes(Rotations(shape), last_rotations_.data(), model.group_chunks(),
+                            turned_.data());
   for (size_t g = 0; g < static_cast<size_t>(model.num_groups); ++g) {
     const size_t block = g * static_cast<size_t>(model.num_shapes) + shape;
     const double fall = moved + model.single_edge_norms[block] * (turned_[g] + kRootRounding);

@@ -58,6 +58,7 @@ class NearnessStep {
   AlignedVector<double> modes_;           // [z; -R^T of the last group asked for], [S][K][stride]
   AlignedVector<double> last_modes_;      // one shape's before
   AlignedVector<double> gaps_;            // X - C b, [c][K]
+  AlignedVector<double> images_;          // one column of C b, then of y, [c]
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
   std::vector<double> lower_;             // [G*S]

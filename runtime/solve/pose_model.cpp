@@ -113,7 +113,7 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
     const size_t s = row / (groups * k), g = row / k % groups, a = row % k;
     float* by_mode = model->single_edges_by_mode.data() + row * stride;
     float* by_group = model->single_edges_by_group.data() + s * shape_size +
-                       (g / kBlockLanes * r1 * k + a) * kBlockLanes + g % kBlockLanes;
+                      (g / kBlockLanes * r1 * k + a) * kBlockLanes + g % kBlockLanes;
     for (size_t m = 0; m < r1; ++m)
       by_mode[m] = by_group[m * k * kBlockLanes] = edges[m];
   }

@@ -33,24 +33,6 @@ Eigen::Matrix<double, K, K> MatrixOfBlock(const double* planes, size_t block) {
   return matrix;
 }
 
-// |R_i - R'_i| (Frobenius) of every block into changes, [padded].
-template <int K>
-void RotationChanges(const double* rotations, const double* others, size_t chunks,
-                     double* changes) {
-  for (size_t chunk = 0; chunk < chunks; ++chunk, changes += kBlockLanes) {
-    for (size_t lane = 0; lane < kBlockLanes; ++lane)
-      changes[lane] = 0;
-    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
-      for (size_t lane = 0; lane < kBlockLanes; ++lane, ++rotations, ++others) {
-        const double change = *rotations - *others;
-        changes[lane] += change * change;
-      }
-    }
-    for (size_t lane = 0; lane < kBlockLanes; ++lane)
-      changes[lane] = std::sqrt(changes[lane]);
-  }
-}
-
 // R_i = argmax tr(R fits_i) for `count` blocks, warm-started; where the start is too far away for
 // the kernel (targets that jumped) by a singular value decomposition. failed: scratch, [padded].
 template <int K>

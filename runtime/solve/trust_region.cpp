@@ -366,8 +366,8 @@ void TrustRegion<K>::PlaceTrial(const PoseModel& model) {
 
 template <int K>
 void TrustRegion<K>::Move(const PoseModel& model, Outcome* outcome) {
-  RotationChanges<K>(trial_.rotations.data(), point_.rotations.data(), model.chunks(),
-                     changes_.data());
+  kernels_.rotation_changes(trial_.rotations.data(), point_.rotations.data(), model.chunks(),
+                            changes_.data());
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     outcome->change = std::max(outcome->change, std::abs(trial_.blend[i] - point_.blend[i]));
     if (trial_.blend[i] != 0) outcome->change = std::max(outcome->change, changes_[i]);

@@ -7,20 +7,18 @@
 
 namespace limber::LIMBER_KERNEL_NAMESPACE {
 
-constexpr size_t kParts = kLanes / kWidth;
-
 struct Chunk {
-  Lanes part[kParts];
+  Lanes part[kChunkParts];
 };
 
 struct ChunkMask {
-  Mask part[kParts];  // -1 where true
+  Mask part[kChunkParts];  // -1 where true
 };
 
 #define LIMBER_CHUNK_OPERATION(Result, signature, expression)     \
   static inline __attribute__((always_inline)) Result signature { \
     Result result;                                                \
-    for (size_t p = 0; p < kParts; ++p) {                         \
+    for (size_t p = 0; p < kChunkParts; ++p) {                    \
       result.part[p] = expression;                                \
     }                                                             \
     return result;                                                \
@@ -54,7 +52,7 @@ LIMBER_CHUNK_OPERATION(Chunk, LoadChunk(const double* from), Load(from + p * kWi
 #undef LIMBER_CHUNK_OPERATION
 
 static inline __attribute__((always_inline)) void Store(const Chunk& chunk, double* to) {
-  for (size_t p = 0; p < kParts; ++p)
+  for (size_t p = 0; p < kChunkParts; ++p)
     Store(chunk.part[p], to + p * kWidth);
 }
 
@@ -64,7 +62,7 @@ static inline __attribute__((always_inline)) bool IsSet(const ChunkMask& mask, s
 
 static inline __attribute__((always_inline)) bool AreAllSet(const ChunkMask& mask) {
   Mask all = mask.part[0];
-  for (size_t p = 1; p < kParts; ++p)
+  for (size_t p = 1; p < kChunkParts; ++p)
     all &= mask.part[p];
   int64_t every = -1;
   for (size_t lane = 0; lane < kWidth; ++lane)

@@ -28,7 +28,8 @@ constexpr size_t kWidth = 4;
 #else
 constexpr size_t kWidth = 2;
 #endif
-constexpr size_t kLanes = 8;  // of a chunk (solve_kernels.h)
+constexpr size_t kLanes = 8;                 // of a chunk (solve_kernels.h)
+constexpr size_t kChunkParts = kLanes / kWidth;  // registers that hold them
 
 using Lanes = double __attribute__((vector_size(kWidth * sizeof(double))));
 using Mask = int64_t __attribute__((vector_size(kWidth * sizeof(int64_t))));  // -1 where true
@@ -84,8 +85,18 @@ static inline __attribute__((always_inline)) Lanes Max(Lanes a, Lanes b) {
   return a > b ? a : b;
 }
 
+static inline __attribute__((always_inline)) Lanes SquareRoot(Lanes a) {
+#if defined(__AVX512F__)
+  return _mm512_sqrt_pd(a);
+#elif defined(__AVX__)
+  return _mm256_sqrt_pd(a);
+#else
+  return Lanes{__builtin_sqrt(a[0]), __builtin_sqrt(a[1])};
+#endif
+}
+
 // Of a whole chunk's lanes: (0+4)+(2+6) + (1+5)+(3+7) on every machine.
-static inline double Sum(const Lanes (&lanes)[kLanes / kWidth]) {
+static inline double Sum(const Lanes (&lanes)[kChunkParts]) {
   double a[kLanes];
   __builtin_memcpy(a, &lanes, sizeof(a));
   return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));

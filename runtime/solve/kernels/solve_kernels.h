@@ -37,6 +37,9 @@ struct SolveKernels {
   // y += a x over whole chunks; and the sum of products, in a fixed order.
   void (*add_scaled)(double a, const double* x, size_t chunks, double* y);
   double (*dot)(const double* x, const double* y, size_t chunks);
+  // products[r] = the same of row r and x.
+  void (*dot_rows)(const double* rows, size_t stride, size_t count, const double* x, size_t chunks,
+                   double* products);
   // y += sum_r scales[r] rows[r], rows of `stride` numbers of which the first `chunks` count.
   void (*add_rows)(const double* rows, size_t stride, const double* scales, size_t count,
                    size_t chunks, double* y);
@@ -45,8 +48,10 @@ struct SolveKernels {
   // [chunk][column] [row][8]; rotations: planes R; turn: R_j.
   void (*rotate_column)(const double* strip, const double* rotations, const double* turn,
                         size_t chunks, double* column);
-  // product_i += G_i m^T; strip as above; m: K x K; product: planes (row: i's axis).
-  void (*add_product)(const double* strip, const double* m, size_t chunks, double* product);
+  // product_i += sum_j G_ij m_j^T; strips as above, `stride` numbers from one to the next; blocks:
+  // which of them j runs over; m: [count][K][K]; product: planes (row: i's axis).
+  void (*add_products)(const double* strips, size_t stride, const int* blocks, const double* m,
+                       size_t count, size_t chunks, double* product);
 
   // rows[(p*K + c)][i] = sum_a R_i(c, a) loads_i(a, p); loads: [chunk][a][pins][8].
   void (*rotate_loads)(const double* loads, const double* rotations, size_t pins, size_t chunks,
@@ -58,6 +63,10 @@ struct SolveKernels {
   // R_i = argmax tr(R fits_i) near the R_i given (warm start, and the choice where several serve
   // equally); fits, rotations: planes. failed[i] != 0: too far from the start, R_i is as it was.
   void (*fit_rotations)(const double* fits, double* rotations, size_t chunks, uint8_t* failed);
+
+  // changes[i] = |R_i - R'_i| (Frobenius); rotations, others: planes.
+  void (*rotation_changes)(const double* rotations, const double* others, size_t chunks,
+                           double* changes);
 
   // A model of one shape: z = sum_g sum_a edges(g, a, :) R_g(:, a)^T; edges: [groups][K][stride];
   // rotations: planes over groups; z: [K][stride] with a stride of 8 mode_chunks.
@@ -74,8 +83,10 @@ struct SolveKernels {
   double (*single_energy)(const float* factor, const double* x, size_t size, size_t stride,
                           double at_least, size_t* rows_done, double* squares);
 
-  // out(:, c) += sum_b table(b, :) m(c, b); table: [chunk][K][8]; out: [chunk][K][8].
-  void (*add_transforms)(const float* table, const double* m, size_t chunks, double* out);
+  // out(:, c) += sum_j sum_b table_j(b, :) m_j(c, b); tables: [chunk][K][8] each, one after the
+  // other; blocks: which of them j runs over; m: [count][K][K]; out: [chunk][K][8].
+  void (*add_transforms)(const float* tables, const int* blocks, const double* m, size_t count,
+                         size_t chunks, double* out);
 
   // In place, a = L L^T, column-major with columns of `stride` (a multiple of 8) doubles, the part
   // below the diagonal read and overwritten. Pivots that are not positive are raised to the

@@ -19,13 +19,19 @@ static void AddScaled(double a, const double* x, size_t chunks, double* y) {
 }
 
 static double Dot(const double* x, const double* y, size_t chunks) {
-  Lanes sums[kLanes / kWidth] = {};
+  Lanes sums[kChunkParts] = {};
   for (size_t at = 0; at < chunks * kLanes; at += kLanes) {
-    for (size_t part = 0; part < kLanes / kWidth; ++part) {
+    for (size_t part = 0; part < kChunkParts; ++part) {
       sums[part] = MulAdd(Load(x + at + part * kWidth), Load(y + at + part * kWidth), sums[part]);
     }
   }
   return Sum(sums);
+}
+
+static void DotRows(const double* rows, size_t stride, size_t count, const double* x, size_t chunks,
+                    double* products) {
+  for (size_t r = 0; r < count; ++r)
+    products[r] = Dot(rows + r * stride, x, chunks);
 }
 
 // Parts of y that stay in registers while the rows pass by.
@@ -120,22 +126,46 @@ static inline __attribute__((always_inline)) void AddRow(const Number* table, si
     Store(sum[c], out + c * kLanes);
 }
 
+// One strip after the other: each is read from its beginning to its end, as memory likes it.
 template <int K>
-static void AddProduct(const double* strip, const double* m, size_t chunks, double* product) {
-  const SplatMatrix<K> matrix(m);
-  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-    const double* from = strip + Offset(at, size_t{K} * K);
-    double* to = product + Offset(at, size_t{K} * K);
-    for (size_t a = 0; a < K; ++a)
-      AddRow<K>(from + a * kLanes, K * kLanes, K, matrix, to + a * K * kLanes);
+static void AddProducts(const double* strips, size_t stride, const int* blocks, const double* m,
+                        size_t count, size_t chunks, double* product) {
+  for (size_t j = 0; j < count; ++j, m += K * K) {
+    const SplatMatrix<K> matrix(m);
+    const double* strip = strips + static_cast<size_t>(blocks[j]) * stride;
+    for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+      const double* from = strip + Offset(at, size_t{K} * K);
+      double* to = product + Offset(at, size_t{K} * K);
+      for (size_t a = 0; a < K; ++a)
+        AddRow<K>(from + a * kLanes, K * kLanes, K, matrix, to + a * K * kLanes);
+    }
   }
 }
 
 template <int K>
-static void AddTransforms(const float* table, const double* m, size_t chunks, double* out) {
-  const SplatMatrix<K> matrix(m);
-  for (size_t at = 0; at < chunks * kLanes; at += kWidth)
-    AddRow<K>(table + Offset(at, K), kLanes, K, matrix, out + Offset(at, K));
+static void AddTransforms(const float* tables, const int* blocks, const double* m, size_t count,
+                          size_t chunks, double* out) {
+  for (size_t j = 0; j < count; ++j, m += K * K) {
+    const SplatMatrix<K> matrix(m);
+    const float* table = tables + static_cast<size_t>(blocks[j]) * chunks * (K * kLanes);
+    for (size_t at = 0; at < chunks * kLanes; at += kWidth)
+      AddRow<K>(table + Offset(at, K), kLanes, K, matrix, out + Offset(at, K));
+  }
+}
+
+template <int K>
+static void RotationChanges(const double* rotations, const double* others, size_t chunks,
+                            double* changes) {
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const size_t offset = Offset(at, size_t{K} * K);
+    Lanes sum = {};
+    for (size_t entry = 0; entry < size_t{K} * K; ++entry) {
+      const Lanes change =
+          Load(rotations + offset + entry * kLanes) - Load(others + offset + entry * kLanes);
+      sum = MulAdd(change, change, sum);
+    }
+    Store(SquareRoot(sum), changes + at);
+  }
 }
 
 template <int K>
@@ -230,13 +260,13 @@ static void SingleFits(const float* edges, const double* modes, size_t num_modes
 template <int K>
 static inline __attribute__((always_inline)) void AddColumn(const float* column, const double* x,
                                                             size_t stride,
-                                                            Lanes (&sums)[K][kLanes / kWidth]) {
-  Lanes entries[kLanes / kWidth];
-  for (size_t part = 0; part < kLanes / kWidth; ++part)
+                                                            Lanes (&sums)[K][kChunkParts]) {
+  Lanes entries[kChunkParts];
+  for (size_t part = 0; part < kChunkParts; ++part)
     entries[part] = Load(column + part * kWidth);
   for (size_t c = 0; c < K; ++c) {
     const Lanes number = Splat(x[c * stride]);
-    for (size_t part = 0; part < kLanes / kWidth; ++part)
+    for (size_t part = 0; part < kChunkParts; ++part)
       sums[c][part] = MulAdd(entries[part], number, sums[c][part]);
   }
 }
@@ -247,14 +277,14 @@ template <int K>
 static inline __attribute__((always_inline)) void AddRowSquares(const float* factor,
                                                                 const double* x, size_t columns,
                                                                 size_t stride,
-                                                                Lanes (&squares)[kLanes / kWidth]) {
-  Lanes even[K][kLanes / kWidth] = {}, odd[K][kLanes / kWidth] = {};
+                                                                Lanes (&squares)[kChunkParts]) {
+  Lanes even[K][kChunkParts] = {}, odd[K][kChunkParts] = {};
   for (; columns >= 2; columns -= 2, factor += 2 * kLanes, x += 2) {
     AddColumn<K>(factor, x, stride, even);
     AddColumn<K>(factor + kLanes, x + 1, stride, odd);
   }
   if (columns != 0) AddColumn<K>(factor, x, stride, even);
-  for (size_t part = 0; part < kLanes / kWidth; ++part) {
+  for (size_t part = 0; part < kChunkParts; ++part) {
     for (size_t c = 0; c < K; ++c) {
       const Lanes sum = even[c][part] + odd[c][part];
       squares[part] = MulAdd(sum, sum, squares[part]);
@@ -268,8 +298,8 @@ static double SingleEnergy(const float* factor, const double* x, size_t size, si
   size_t first = *rows_done;
   for (size_t row = 0; row < first; row += kLanes)
     factor += (size - row) * kLanes;
-  Lanes sums[kLanes / kWidth];
-  for (size_t part = 0; part < kLanes / kWidth; ++part)
+  Lanes sums[kChunkParts];
+  for (size_t part = 0; part < kChunkParts; ++part)
     sums[part] = Load(squares + part * kWidth);
   // No partial sum reaches infinity, and none is looked at.
   const bool in_parts = at_least <= 1e300;
@@ -279,7 +309,7 @@ static double SingleEnergy(const float* factor, const double* x, size_t size, si
     first += kLanes;
   }
   *rows_done = first;
-  for (size_t part = 0; part < kLanes / kWidth; ++part)
+  for (size_t part = 0; part < kChunkParts; ++part)
     Store(sums[part], squares + part * kWidth);
   return Sum(sums);
 }

@@ -8,11 +8,23 @@ namespace limber::LIMBER_KERNEL_NAMESPACE {
 
 template <int K>
 static constexpr SolveKernels MakeTable(const char* instruction_set) {
-  return {instruction_set,  AddScaled,       Dot,
-          AddRows,          RotateColumn<K>, AddProduct<K>,
-          RotateLoads<K>,   AddLoads<K>,     FitRotations<K>,
-          SingleModes<K>,   SingleFits<K>,   SingleEnergy<K>,
-          AddTransforms<K>, CholeskyFactor,  CholeskySolve};
+  return {instruction_set,
+          AddScaled,
+          Dot,
+          DotRows,
+          AddRows,
+          RotateColumn<K>,
+          AddProducts<K>,
+          RotateLoads<K>,
+          AddLoads<K>,
+          FitRotations<K>,
+          RotationChanges<K>,
+          SingleModes<K>,
+          SingleFits<K>,
+          SingleEnergy<K>,
+          AddTransforms<K>,
+          CholeskyFactor,
+          CholeskySolve};
 }
 
 }  // namespace limber::LIMBER_KERNEL_NAMESPACE

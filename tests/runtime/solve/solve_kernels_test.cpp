@@ -96,6 +96,9 @@ TYPED_TEST(SolveKernelsTest, VectorSums_AreTheirFormulas) {
     set.add_scaled(0.3, x.data(), this->chunks_, sum.data());
     set.add_rows(table.data(), size, scales.data(), rows, this->chunks_, sum.data());
     sum.push_back(set.dot(x.data(), y.data(), this->chunks_));
+    AlignedVector<double> products(rows);
+    set.dot_rows(table.data(), size, rows, x.data(), this->chunks_, products.data());
+    sum.insert(sum.end(), products.begin(), products.end());
     return sum;
   };
   this->ForEachSet([&](const SolveKernels& set) {
@@ -108,36 +111,115 @@ TYPED_TEST(SolveKernelsTest, VectorSums_AreTheirFormulas) {
       EXPECT_NEAR(sum[i], expected, 1e-14);
       dot += x[i] * y[i];
     }
-    EXPECT_NEAR(sum.back(), dot, 1e-13);
+    EXPECT_NEAR(sum[size], dot, 1e-13);
+    for (size_t r = 0; r < rows; ++r)
+      EXPECT_EQ(sum[size + 1 + r], set.dot(table.data() + r * size, x.data(), this->chunks_));
   });
   this->ExpectSameBits(run);
 }
 
-TYPED_TEST(SolveKernelsTest, ColumnsAndProducts_AreTheirFormulas) {
+TYPED_TEST(SolveKernelsTest, Columns_AreTheirFormula) {
   constexpr int K = TypeParam::value;
   const auto strip = this->numbers_.Some(this->chunks_ * kBlockLanes * K * K);
   const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
   const auto m = this->numbers_.Some(K * K);
-  const auto start = this->numbers_.Some(strip.size());
   const auto run = [&](const SolveKernels& set) {
-    AlignedVector<double> results(start);
-    set.add_product(strip.data(), m.data(), this->chunks_, results.data());
     AlignedVector<double> column(this->chunks_ * kBlockLanes);
     set.rotate_column(strip.data(), rotations.data(), m.data(), this->chunks_, column.data());
-    results.insert(results.end(), column.begin(), column.end());
-    return results;
+    return column;
   };
   this->ForEachSet([&](const SolveKernels& set) {
-    const AlignedVector<double> results = run(set);
+    const AlignedVector<double> column = run(set);
     for (size_t i = 0; i < kBlocks; ++i) {
       // The strip's planes are (column, row).
       const Eigen::Matrix<double, K, K> g = MatrixOfBlock<K>(strip.data(), i).transpose();
-      const Eigen::Matrix<double, K, K> product = g * RowMajor<K>(m.data()).transpose();
       const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
-      EXPECT_NEAR(results[strip.size() + i], (rotation * product).trace(), 1e-14);
-      EXPECT_LT((MatrixOfBlock<K>(results.data(), i) - MatrixOfBlock<K>(start.data(), i) - product)
-                    .norm(),
-                1e-14);
+      EXPECT_NEAR(column[i], (rotation * g * RowMajor<K>(m.data()).transpose()).trace(), 1e-14);
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+// Of some of the strips, more and fewer than are worked on at once.
+TYPED_TEST(SolveKernelsTest, Products_AreTheirFormula) {
+  constexpr int K = TypeParam::value;
+  const std::vector<int> blocks = {0, 2, 3, 4, 7, 8};
+  const size_t size = this->chunks_ * kBlockLanes * K * K;
+  const auto strips = this->numbers_.Some(9 * size);
+  const auto m = this->numbers_.Some(blocks.size() * K * K);
+  const auto start = this->numbers_.Some(size);
+  for (size_t count = 0; count <= blocks.size(); ++count) {
+    const auto run = [&](const SolveKernels& set) {
+      AlignedVector<double> results(start);
+      set.add_products(strips.data(), size, blocks.data(), m.data(), count, this->chunks_,
+                       results.data());
+      return results;
+    };
+    this->ForEachSet([&](const SolveKernels& set) {
+      const AlignedVector<double> results = run(set);
+      for (size_t i = 0; i < kBlocks; ++i) {
+        Eigen::Matrix<double, K, K> expected = MatrixOfBlock<K>(start.data(), i);
+        for (size_t j = 0; j < count; ++j) {
+          expected += MatrixOfBlock<K>(strips.data() + size_t(blocks[j]) * size, i).transpose() *
+                      RowMajor<K>(m.data() + j * K * K).transpose();
+        }
+        EXPECT_LT((MatrixOfBlock<K>(results.data(), i) - expected).norm(), 1e-13);
+      }
+    });
+    this->ExpectSameBits(run);
+  }
+}
+
+// Of one, two and three chunks of rows.
+TYPED_TEST(SolveKernelsTest, Transforms_AreTheirFormula) {
+  constexpr int K = TypeParam::value;
+  const std::vector<int> blocks = {1, 2, 4};
+  for (size_t chunks = 1; chunks <= 3; ++chunks) {
+    const size_t size = chunks * K * kBlockLanes;
+    const auto doubles = this->numbers_.Some(5 * size);
+    const AlignedVector<float> tables(doubles.begin(), doubles.end());
+    const auto m = this->numbers_.Some(blocks.size() * K * K);
+    const auto start = this->numbers_.Some(size);
+    const auto run = [&](const SolveKernels& set) {
+      AlignedVector<double> results(start);
+      set.add_transforms(tables.data(), blocks.data(), m.data(), blocks.size(), chunks,
+                         results.data());
+      return results;
+    };
+    this->ForEachSet([&](const SolveKernels& set) {
+      const AlignedVector<double> results = run(set);
+      for (size_t at = 0; at < size; ++at) {
+        const size_t row = at / (K * kBlockLanes), c = at / kBlockLanes % K,
+                     lane = at % kBlockLanes;
+        double expected = start[at];
+        for (size_t j = 0; j < blocks.size(); ++j) {
+          for (size_t b = 0; b < K; ++b) {
+            expected += double(tables[size_t(blocks[j]) * size + (row * K + b) * 8 + lane]) *
+                        m[(j * K + c) * K + b];
+          }
+        }
+        EXPECT_NEAR(results[at], expected, 1e-13);
+      }
+    });
+    this->ExpectSameBits(run);
+  }
+}
+
+TYPED_TEST(SolveKernelsTest, RotationChanges_AreNorms) {
+  constexpr int K = TypeParam::value;
+  const auto one = this->numbers_.template Rotations<K>(kBlocks);
+  const auto other = this->numbers_.template Rotations<K>(kBlocks);
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> changes(this->chunks_ * kBlockLanes);
+    set.rotation_changes(one.data(), other.data(), this->chunks_, changes.data());
+    return changes;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> changes = run(set);
+    for (size_t i = 0; i < kBlocks; ++i) {
+      const double expected =
+          (MatrixOfBlock<K>(one.data(), i) - MatrixOfBlock<K>(other.data(), i)).norm();
+      EXPECT_NEAR(changes[i], expected, 1e-14);
     }
   });
   this->ExpectSameBits(run);
@@ -271,9 +353,9 @@ TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
       }
       size_t rows = 0;
       AlignedVector<double> squares(8);
-      EXPECT_EQ(set.single_energy(factor.data(), x.data(), size, stride, INFINITY, &rows,
-                                  squares.data()),
-                sums.back())
+      EXPECT_EQ(
+          set.single_energy(factor.data(), x.data(), size, stride, INFINITY, &rows, squares.data()),
+          sums.back())
           << "in one go or in several";
     });
     this->ExpectSameBits(run);
