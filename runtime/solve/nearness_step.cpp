@@ -143,7 +143,8 @@ double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_
       modes[c * stride_ + (size_ - K) + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
   }
   const double root = std::sqrt(kernels_.single_energy(
-      model.single_factors.data() + i * model.single_factor_size, modes, size_, stride_,
+      model.single_heads.data() + i * size_ * kBlockLanes,
+      model.single_tails.data() + i * model.single_tail_size, modes, size_, stride_,
       at_least * at_least, &rows_done_[i], squares_.data() + i * kBlockLanes));
   lower_[i] = is_exact(block) ? root : std::max(lower_[i], root);
   return lower_[i];

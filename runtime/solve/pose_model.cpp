@@ -121,15 +121,16 @@ void LayOutSingleEdges(const RigTables& tables, PoseModel* model) {
 
 // One U, packed by rows in the file, eight rows at a time as the kernels want it. Returns the norm
 // of its last k columns, |E_gs|.
-double LayOutSingleFactor(const float* entry, size_t size, size_t k, float* factor) {
+double LayOutSingleFactor(const float* entry, size_t size, size_t k, float* head, float* tail) {
   double squares = 0;
   for (size_t row = 0; row < size; ++row) {
     const size_t first = row / kBlockLanes * kBlockLanes;
+    float* rows = first == 0 ? head : tail;
     for (size_t column = row; column < size; ++column, ++entry) {
-      factor[(column - first) * kBlockLanes + row - first] = *entry;
+      rows[(column - first) * kBlockLanes + row - first] = *entry;
       if (column + k >= size) squares += static_cast<double>(*entry) * static_cast<double>(*entry);
     }
-    if (row % kBlockLanes == kBlockLanes - 1) factor += (size - first) * kBlockLanes;
+    if (first != 0 && row % kBlockLanes == kBlockLanes - 1) tail += (size - first) * kBlockLanes;
   }
   return std::sqrt(squares);
 }
@@ -138,16 +139,17 @@ void LayOutSingleFactors(const RigTables& tables, PoseModel* model) {
   const auto shapes = static_cast<size_t>(model->num_shapes);
   const auto groups = static_cast<size_t>(model->num_groups);
   const size_t size = model->single_size();
-  for (size_t first = 0; first < size; first += kBlockLanes)
-    model->single_factor_size += (size - first) * kBlockLanes;
-  model->single_factors.assign(shapes * groups * model->single_factor_size, 0.0f);
+  for (size_t first = kBlockLanes; first < size; first += kBlockLanes)
+    model->single_tail_size += (size - first) * kBlockLanes;
+  model->single_heads.assign(shapes * groups * size * kBlockLanes, 0.0f);
+  model->single_tails.assign(shapes * groups * model->single_tail_size, 0.0f);
   model->single_edge_norms.assign(shapes * groups, 0.0);
   for (size_t i = 0; i < shapes * groups; ++i) {
     const size_t block = i % groups * shapes + i / groups;
-    model->single_edge_norms[block] =
-        LayOutSingleFactor(tables.single_group_factors.data() + i * (size * (size + 1) / 2), size,
-                           static_cast<size_t>(model->k),
-                           model->single_factors.data() + block * model->single_factor_size);
+    model->single_edge_norms[block] = LayOutSingleFactor(
+        tables.single_group_factors.data() + i * (size * (size + 1) / 2), size,
+        static_cast<size_t>(model->k), model->single_heads.data() + block * size * kBlockLanes,
+        model->single_tails.data() + block * model->single_tail_size);
   }
 }
 
@@ -194,7 +196,7 @@ void LayOutTables(PoseModel* model) {
 
 size_t PoseModel::bytes() const {
   return BytesOf(gram, near, transform_response, single_edges_by_mode, single_edges_by_group,
-                 single_factors, single_edge_norms, pin_of_handle, pinned_handles) +
+                 single_heads, single_tails, single_edge_norms, pin_of_handle, pinned_handles) +
          pins->bytes() + handle_rows->bytes();
 }
 

@@ -80,9 +80,11 @@ class PoseModel {
   // The models of one shape (nearness): shape s from offset s * (size / S) on.
   AlignedVector<float> single_edges_by_mode;   // [S][G][k][r1 padded]
   AlignedVector<float> single_edges_by_group;  // [S][group chunk][r1][k][8]
-  AlignedVector<float> single_factors;         // [G*S] of U, as the kernels want it
-  size_t single_factor_size = 0;               // numbers of one
-  std::vector<double> single_edge_norms;       // [G*S]: |E_gs|
+  // [G*S] of U, as the kernels want it: the rows that a lower bound needs lie together, so that the
+  // bounds of all blocks are one walk through memory.
+  AlignedVector<float> single_heads, single_tails;
+  size_t single_tail_size = 0;            // numbers of one; of a head 8 single_size()
+  std::vector<double> single_edge_norms;  // [G*S]: |E_gs|
 
  private:
   PoseModel() = default;

@@ -76,11 +76,11 @@ struct SolveKernels {
   // z: [K][stride].
   void (*single_fits)(const float* edges, const double* modes, size_t num_modes, size_t stride,
                       size_t chunks, double* fits);
-  // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. factor: eight rows
-  // after eight rows, of each its columns from the first row's own on, [column][8]. Goes on from
-  // *rows_done rows, whose energies are in squares, [8], until their sum is at_least or all rows
+  // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. head: the first eight
+  // rows of U, [column][8]; tail: eight rows after eight rows of the others, of each its columns
+  // from the first row's own on. Goes on from *rows_done rows, whose energies are in squares, [8], until their sum is at_least or all rows
   // are done; returns the sum.
-  double (*single_energy)(const float* factor, const double* x, size_t size, size_t stride,
+  double (*single_energy)(const float* head, const float* tail, const double* x, size_t size, size_t stride,
                           double at_least, size_t* rows_done, double* squares);
 
   // out(:, c) += sum_j sum_b table_j(b, :) m_j(c, b); tables: [chunk][K][8] each, one after the

@@ -293,19 +293,19 @@ static inline __attribute__((always_inline)) void AddRowSquares(const float* fac
 }
 
 template <int K>
-static double SingleEnergy(const float* factor, const double* x, size_t size, size_t stride,
-                           double at_least, size_t* rows_done, double* squares) {
+static double SingleEnergy(const float* head, const float* tail, const double* x, size_t size,
+                           size_t stride, double at_least, size_t* rows_done, double* squares) {
   size_t first = *rows_done;
-  for (size_t row = 0; row < first; row += kLanes)
-    factor += (size - row) * kLanes;
+  for (size_t row = kLanes; row < first; row += kLanes)
+    tail += (size - row) * kLanes;
   Lanes sums[kChunkParts];
   for (size_t part = 0; part < kChunkParts; ++part)
     sums[part] = Load(squares + part * kWidth);
   // No partial sum reaches infinity, and none is looked at.
   const bool in_parts = at_least <= 1e300;
   while (first < size && !(in_parts && Sum(sums) >= at_least)) {
-    AddRowSquares<K>(factor, x + first, size - first, stride, sums);
-    factor += (size - first) * kLanes;
+    AddRowSquares<K>(first == 0 ? head : tail, x + first, size - first, stride, sums);
+    if (first != 0) tail += (size - first) * kLanes;
     first += kLanes;
   }
   *rows_done = first;

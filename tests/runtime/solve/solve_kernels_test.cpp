@@ -338,8 +338,9 @@ TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
       size_t rows = 0;
       AlignedVector<double> squares(8), sums(1);  // eight rows after the other: each goes on
       while (rows < size) {
-        sums.push_back(set.single_energy(factor.data(), x.data(), size, stride,
-                                         std::nextafter(sums.back(), 1e9), &rows, squares.data()));
+        sums.push_back(set.single_energy(factor.data(), factor.data() + 8 * size, x.data(), size,
+                                         stride, std::nextafter(sums.back(), 1e9), &rows,
+                                         squares.data()));
       }
       return sums;
     };
@@ -353,9 +354,9 @@ TYPED_TEST(SolveKernelsTest, EnergyOfOneGroup_IsItsFormula) {
       }
       size_t rows = 0;
       AlignedVector<double> squares(8);
-      EXPECT_EQ(
-          set.single_energy(factor.data(), x.data(), size, stride, INFINITY, &rows, squares.data()),
-          sums.back())
+      EXPECT_EQ(set.single_energy(factor.data(), factor.data() + 8 * size, x.data(), size, stride,
+                                  INFINITY, &rows, squares.data()),
+                sums.back())
           << "in one go or in several";
     });
     this->ExpectSameBits(run);
