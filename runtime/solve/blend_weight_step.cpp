@@ -33,9 +33,7 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
       slot_(static_cast<size_t>(num_blocks_), -1),
       columns_(static_cast<size_t>(max_used_) * padded_),
       loads_(static_cast<size_t>(max_used_) * row_stride_),
-      load_rows_(row_stride_ * used_stride_),
       quadratic_(static_cast<size_t>(max_used_) * used_stride_),
-      products_(quadratic_),
       is_free_(static_cast<size_t>(num_blocks_)),
       reference_(static_cast<size_t>(num_groups)),
       nearness_(static_cast<size_t>(num_blocks_)),
@@ -45,7 +43,7 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
       start_(static_cast<size_t>(num_blocks_)),
       weights_(used_stride_),
       used_gradient_(used_stride_),
-      difference_(used_stride_),
+      slot_changes_(used_stride_),
       newton_(used_stride_),
       slope_(used_stride_),
       direction_(used_stride_) {
@@ -53,6 +51,7 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
   free_.reserve(static_cast<size_t>(max_used_));
   const size_t most_free = Padded(std::max(0, max_used_ - num_groups));
   hessian_.resize(most_free * most_free);
+  trades_.resize(most_free * row_stride_);
 }
 
 void BlendWeightStep::ForgetColumns() {
@@ -82,23 +81,14 @@ void BlendWeightStep::DropUnused(const double* blend) {
   }
 }
 
-// The products of a slot, whose column and load are there, with those before it.
+// The entries of Q of a slot, whose column is there, with those before it.
 void BlendWeightStep::Place(size_t slot) {
   slot_[static_cast<size_t>(used_[slot])] = static_cast<int>(slot);
-  const double* load = loads_.data() + slot * row_stride_;
-  for (size_t row = 0; row < row_stride_; ++row)
-    load_rows_[row * used_stride_ + slot] = load[row];
-  double* products = products_.data() + slot * used_stride_;
   double* quadratic = quadratic_.data() + slot * used_stride_;
-  std::fill_n(products, used_stride_, 0.0);
-  kernels_.add_rows(load_rows_.data(), used_stride_, load, row_stride_, NumChunks(slot + 1),
-                    products);
   const double* q = column(static_cast<int>(slot));
   for (size_t other = 0; other <= slot; ++other) {
     quadratic[other] = q[used_[other]];
-    products[other] += quadratic[other];
     quadratic_[other * used_stride_ + slot] = quadratic[other];
-    products_[other * used_stride_ + slot] = products[other];
   }
 }
 
@@ -153,13 +143,13 @@ void BlendWeightStep::UpdateUsedGradient(const BlendProblem& problem, const doub
   kernels_.add_rows(quadratic_.data(), used_stride_, weights_.data(), count, chunks,
                     used_gradient_.data());
   value_ += 0.5 * kernels_.dot(weights_.data(), used_gradient_.data(), chunks);
-  kernels_.add_rows(load_rows_.data(), used_stride_, residual_.data(),
-                    static_cast<size_t>(problem.num_rows), chunks, used_gradient_.data());
+  kernels_.dot_rows(loads_.data(), row_stride_, count, residual_.data(), row_chunks,
+                    slot_changes_.data());
   for (size_t slot = 0; slot < count; ++slot) {
     const auto block = static_cast<size_t>(used_[slot]);
     const double moved = blend[block] - start_[block];
     value_ += 0.5 * problem.proximal * moved * moved;
-    gradient_[block] = used_gradient_[slot] + problem.proximal * moved;
+    gradient_[block] = used_gradient_[slot] + slot_changes_[slot] + problem.proximal * moved;
   }
   value_ = std::max(value_, 0.0);
 }
@@ -179,21 +169,29 @@ void BlendWeightStep::UpdateFullGradient(const BlendProblem& problem, const doub
 
 // Of f, in the coordinates of free_ (each trades with its group's reference), lower triangle.
 void BlendWeightStep::BuildHessian(const BlendProblem& problem) {
-  const size_t size = free_.size(), stride = PaddedSize(size);
+  const size_t size = free_.size(), stride = PaddedSize(size), rows = row_stride_ / kBlockLanes;
+  const auto slot = [this](int block) {
+    return static_cast<size_t>(slot_[static_cast<size_t>(block)]);
+  };
+  const auto reference = [this](int block) {
+    return reference_[static_cast<size_t>(block / num_shapes_)];
+  };
   for (size_t a = 0; a < size; ++a) {
-    const int reference = reference_[static_cast<size_t>(free_[a] / num_shapes_)];
-    const double* row =
-        products_.data() + static_cast<size_t>(slot_[static_cast<size_t>(free_[a])]) * used_stride_;
-    const double* other = products_.data() +
-                          static_cast<size_t>(slot_[static_cast<size_t>(reference)]) * used_stride_;
-    std::copy_n(row, used_stride_, difference_.data());
-    kernels_.add_scaled(-1, other, PaddedSize(used_.size()) / kBlockLanes, difference_.data());
+    double* trade = trades_.data() + a * row_stride_;
+    std::copy_n(loads_.data() + slot(free_[a]) * row_stride_, row_stride_, trade);
+    kernels_.add_scaled(-1, loads_.data() + slot(reference(free_[a])) * row_stride_, rows, trade);
+  }
+  for (size_t a = 0; a < size; ++a) {
+    const double* trade = trades_.data() + a * row_stride_;
     double* column = hessian_.data() + a * stride;
+    kernels_.dot_rows(trade, row_stride_, size - a, trade, rows, column + a);
+    std::copy_n(quadratic_.data() + slot(free_[a]) * used_stride_, used_stride_,
+                slot_changes_.data());
+    kernels_.add_scaled(-1, quadratic_.data() + slot(reference(free_[a])) * used_stride_,
+                        NumChunks(used_.size()), slot_changes_.data());
     for (size_t b = a; b < size; ++b) {
-      const int pair = reference_[static_cast<size_t>(free_[b] / num_shapes_)];
-      column[b] = difference_[static_cast<size_t>(slot_[static_cast<size_t>(free_[b])])] -
-                  difference_[static_cast<size_t>(slot_[static_cast<size_t>(pair)])];
-      if (pair == reference) column[b] += problem.proximal;
+      column[b] += slot_changes_[slot(free_[b])] - slot_changes_[slot(reference(free_[b]))];
+      if (reference(free_[b]) == reference(free_[a])) column[b] += problem.proximal;
     }
     column[a] += problem.proximal;
     std::fill(column + size, column + stride, 0.0);

@@ -114,9 +114,7 @@ class BlendWeightStep {
   std::vector<int> slot_;            // [G*S]: slot of each block, -1 for none
   AlignedVector<double> columns_;    // Q(:, block), [max_used][padded]
   AlignedVector<double> loads_;      // A(:, block), [max_used][row_stride]
-  AlignedVector<double> load_rows_;  // the same transposed, [row_stride][used_stride]
   AlignedVector<double> quadratic_;  // Q among them, [max_used][used_stride]
-  AlignedVector<double> products_;   // Q + A^T A among them, [max_used][used_stride]
 
   std::vector<uint8_t> is_free_;    // [G*S]
   std::vector<int> free_;           // free weights that are not their group's reference
@@ -129,7 +127,8 @@ class BlendWeightStep {
   AlignedVector<double> hessian_;   // reduced, free x free in columns
   AlignedVector<double> weights_;   // [used_stride]: B by slot
   AlignedVector<double> used_gradient_;  // [used_stride]: of f by slot, less the proximal term
-  AlignedVector<double> difference_;     // [used_stride], one row of products_ less its reference's
+  AlignedVector<double> slot_changes_;   // [used_stride]: A^T (A B - a); one row of Q less another
+  AlignedVector<double> trades_;         // [free][row_stride]: A's columns less their references'
   AlignedVector<double> newton_, slope_, direction_;  // [free padded]
   double value_ = 0;                                  // f(B), the proximal term included
 };
