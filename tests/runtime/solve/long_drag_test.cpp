@@ -1,4 +1,5 @@
 // Thousands of frames of whatever a player does: nothing breaks, nothing drifts, nothing jumps.
+#include "load/rig_loader.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/alternation.h"
 #include "solve/pose_model.h"
@@ -10,7 +11,9 @@
 #include <cstring>
 #include <functional>
 #include <random>
+#include <string>
 #include <thread>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -390,6 +393,25 @@ TEST_P(SessionHashTest, WithOtherStatesSolvedBetween_IsTheSame) {
 INSTANTIATE_TEST_SUITE_P(Characters, SessionHashTest, testing::Bool(), [](const auto& tested) {
   return std::string(tested.param ? "Square" : "Cylinder");
 });
+
+// What a session gave on the day that its constant was written: a change of these bits is a change
+// of every recording that a game keeps, so it must be meant. Kernels without a fused multiply-add
+// round otherwise.
+class RecordedSessionTest : public testing::TestWithParam<std::pair<const char*, uint64_t>> {};
+
+TEST_P(RecordedSessionTest, GivesTheRecordedBits) {
+  const auto& [name, recorded] = GetParam();
+  const auto rig = LoadRig(std::string(LIMBER_SOURCE_DIR "/content/baked/v2/") + name + ".glb");
+  ASSERT_TRUE(rig.ok()) << rig.status().message();
+  const bool is_fused = std::string(ChooseSolveKernels<3>().instruction_set) != "baseline";
+  if (!is_fused) GTEST_SKIP() << "this processor has no fused multiply-add: other bits are right";
+  EXPECT_EQ(HashOfSession(PoseModel::Create(*rig).value()), recorded);
+}
+
+INSTANTIATE_TEST_SUITE_P(Baked, RecordedSessionTest,
+                         testing::Values(std::pair{"square", uint64_t{15327485509720720274u}},
+                                         std::pair{"tube", uint64_t{6178339188654091596u}}),
+                         [](const auto& tested) { return std::string(tested.param.first); });
 
 }  // namespace
 }  // namespace limber
