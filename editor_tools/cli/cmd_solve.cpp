@@ -35,6 +35,7 @@ A handle that a frame leaves out keeps its last target; before the first one it 
 each other: each starts from the result of the one before. Beside "targets" a frame may say
   "pinned":{"foot":false}             let go of a handle, or hold one where it is
   "stiffness":{"hand":5}              pull softly (null: exactly)
+  "weights":{"foot":9}                how little it gives way to --stretch-limit (null: never; else 1)
   "rotations":{"hand":[0,0,0.4,0.9]}  turn the skin around a handle (x, y, z, w; null: let it be)
 
 Examples:

@@ -19,16 +19,26 @@ Status ReadPinned(const Json& value, const std::string& place, HandleInput* inpu
   return {};
 }
 
-Status ReadStiffness(const Json& value, const std::string& place, HandleInput* input) {
-  input->stiffness = std::numeric_limits<float>::infinity();
+// A number above zero; null: infinity, which means what `null_means` says.
+Status ReadPositive(const Json& value, const std::string& place, const char* null_means,
+                    std::optional<float>* number) {
+  *number = std::numeric_limits<float>::infinity();
   if (value.is_null()) return {};
-  const double number = value.is_number() ? value.get<double>() : -1;
-  if (!(number > 0) || !std::isfinite(static_cast<float>(number))) {
+  const double read = value.is_number() ? value.get<double>() : -1;
+  if (!(read > 0) || !std::isfinite(static_cast<float>(read))) {
     return Status(StatusCode::kMalformed,
-                  place + ": a number above zero is needed, or null for exactly");
+                  place + ": a number above zero is needed, or null for " + null_means);
   }
-  input->stiffness = static_cast<float>(number);
+  *number = static_cast<float>(read);
   return {};
+}
+
+Status ReadStiffness(const Json& value, const std::string& place, HandleInput* input) {
+  return ReadPositive(value, place, "exactly", &input->stiffness);
+}
+
+Status ReadWeight(const Json& value, const std::string& place, HandleInput* input) {
+  return ReadPositive(value, place, "never giving way", &input->weight);
 }
 
 Status ReadTarget(const Json& value, const std::string& place, HandleInput* input) {
@@ -63,6 +73,7 @@ struct Member {
 
 constexpr Member kMembers[] = {{"pinned", "true or false", ReadPinned},
                                {"stiffness", "numbers", ReadStiffness},
+                               {"weights", "numbers", ReadWeight},
                                {"targets", "positions", ReadTarget},
                                {"rotations", "quaternions", ReadRotation}};
 
@@ -86,7 +97,7 @@ Status ReadMember(const Member& member, const Json& values, const std::string& p
 
 Result<FrameInput> ReadFrame(const Json& frame, const std::string& place) {
   LIMBER_RETURN_IF_ERROR(
-      CheckMembers(frame, place, {"targets", "pinned", "stiffness", "rotations"}));
+      CheckMembers(frame, place, {"targets", "pinned", "stiffness", "weights", "rotations"}));
   FrameInput result;
   for (const Member& member : kMembers) {
     const auto found = frame.find(member.name);

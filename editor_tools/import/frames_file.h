@@ -3,6 +3,7 @@
 // and, each optional, beside "targets":
 //   "pinned": {"handle name": true or false}        held or let go
 //   "stiffness": {"handle name": number or null}    of the pull to its target; null: exactly
+//   "weights": {"handle name": number or null}      against a stretch limit; null: never gives way
 //   "rotations": {"handle name": [x, y, z, w] or null}   of the skin around it; null: none
 #pragma once
 
@@ -23,12 +24,13 @@ struct HandleInput {
   std::string handle;
   std::optional<bool> pinned;
   std::optional<float> stiffness;  // infinite: exactly
+  std::optional<float> weight;     // infinite: never gives way
   std::optional<Vec3> target;      // mesh space
   std::optional<Quaternion> rotation;
   bool clears_rotation = false;
 };
 
-// In the order in which they take effect: pins, stiffnesses, targets, rotations. A handle that a
+// In the order in which they take effect: pins, stiffnesses, weights, targets, rotations. A handle that a
 // frame does not mention stays as it was. Whether the names exist is checked later, against the
 // rig.
 using FrameInput = std::vector<HandleInput>;

@@ -241,6 +241,27 @@ TEST_F(LimberCommand, SolveNoRoots_EnergyIsTheSquare) {
   EXPECT_NEAR(square, root * root, 1e-4 * square);
 }
 
+// Targets too far apart give way; a weight of null says which does not.
+TEST_F(LimberCommand, SolveStretchLimit_GivesWayByTheFramesWeights) {
+  BakeBar(12);
+  const auto ends = [this](const char* weights) {
+    const std::string frames = Write(
+        "frames.json", std::string(R"({"frames":[{"targets":{"right":[40,0,0],"left":[0,0,0]},)") +
+                           R"("weights":)" + weights + "}]}");
+    const CommandResult result = RunLimber({"solve", Path("baked.glb"), "--targets", frames, "-o",
+                                            Path("out"), "--settle", "--stretch-limit", "1"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Obj obj = ParseObj(ReadText(Path("out/frame_0000.obj")));
+    return std::array{obj.vertices[0][0], obj.vertices[48][0]};
+  };
+  const auto [left, right] = ends("{}");
+  const auto [held_left, near_right] = ends(R"({"left":null})");
+  EXPECT_GT(left, 5) << "both give way";
+  EXPECT_LT(right, 35);
+  EXPECT_NEAR(held_left, 0, 1e-3);
+  EXPECT_NEAR(near_right, right - left, 0.01) << "as far apart as before";
+}
+
 TEST_F(LimberCommand, Solve_HandleLeftOutKeepsItsTarget) {
   BakeBar(12);
   const std::string moved =

@@ -76,19 +76,21 @@ TEST(FramesFile, Targets_KeepNamesAndOrder) {
 TEST(FramesFile, WhatIsHeldAndHow_ComesBeforeTargets) {
   const auto frames = bake::ParseFrames(
       R"({"frames":[{"rotations":{"a":[0,0,1,0],"b":null},"targets":{"a":[1,2,3]},
-                     "stiffness":{"a":2.5,"b":null},"pinned":{"a":true,"b":false}}]})",
+                     "stiffness":{"a":2.5,"b":null},"weights":{"a":9,"b":null},"pinned":{"a":true,"b":false}}]})",
       "f.json");
   ASSERT_TRUE(frames.ok()) << frames.status().message();
   const bake::FrameInput& frame = frames->front();
-  ASSERT_EQ(frame.size(), 7u);
+  ASSERT_EQ(frame.size(), 9u);
   EXPECT_EQ(frame[0].pinned, true);
   EXPECT_EQ(frame[1].pinned, false);
   EXPECT_EQ(frame[2].stiffness, 2.5f);
   EXPECT_EQ(frame[3].stiffness, std::numeric_limits<float>::infinity());
-  EXPECT_EQ(frame[4].target, (Vec3{1, 2, 3}));
-  EXPECT_EQ(frame[5].rotation, (Quaternion{0, 0, 1, 0}));
-  EXPECT_TRUE(frame[6].clears_rotation);
-  EXPECT_FALSE(frame[5].clears_rotation);
+  EXPECT_EQ(frame[4].weight, 9.0f);
+  EXPECT_EQ(frame[5].weight, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(frame[6].target, (Vec3{1, 2, 3}));
+  EXPECT_EQ(frame[7].rotation, (Quaternion{0, 0, 1, 0}));
+  EXPECT_TRUE(frame[8].clears_rotation);
+  EXPECT_FALSE(frame[7].clears_rotation);
 }
 
 TEST(FramesFile, Mistakes_NameFrameAndHandle) {
@@ -111,6 +113,8 @@ TEST(FramesFile, Mistakes_NameFrameAndHandle) {
       {R"({"frames":[{"pinned":true}]})", "frames[0].pinned"},
       {R"({"frames":[{"stiffness":{"paw":0}}]})", "frames[0].stiffness: \"paw\""},
       {R"({"frames":[{"stiffness":{"paw":1e300}}]})", "above zero"},
+      {R"({"frames":[{"weights":{"paw":-1}}]})", "frames[0].weights: \"paw\""},
+      {R"({"frames":[{"weights":{"paw":"9"}}]})", "giving way"},
       {R"({"frames":[{"rotations":{"paw":[0,0,1]}}]})", "frames[0].rotations: \"paw\""},
       {R"({"frames":[{"rotations":{"paw":[0,0,1,"w"]}}]})", "quaternion"},
       {R"({"frames":[{"rotations":{"paw":[0,0,1,1e16]}}]})", "quaternion"},
