@@ -28,7 +28,7 @@ constexpr size_t kWidth = 4;
 #else
 constexpr size_t kWidth = 2;
 #endif
-constexpr size_t kLanes = 8;                 // of a chunk (solve_kernels.h)
+constexpr size_t kLanes = 8;                     // of a chunk (solve_kernels.h)
 constexpr size_t kChunkParts = kLanes / kWidth;  // registers that hold them
 
 using Lanes = double __attribute__((vector_size(kWidth * sizeof(double))));

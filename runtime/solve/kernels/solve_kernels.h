@@ -78,10 +78,10 @@ struct SolveKernels {
                       size_t chunks, double* fits);
   // |U x|^2 for one block, U upper triangular, size x size; x: [K][stride]. head: the first eight
   // rows of U, [column][8]; tail: eight rows after eight rows of the others, of each its columns
-  // from the first row's own on. Goes on from *rows_done rows, whose energies are in squares, [8], until their sum is at_least or all rows
-  // are done; returns the sum.
-  double (*single_energy)(const float* head, const float* tail, const double* x, size_t size, size_t stride,
-                          double at_least, size_t* rows_done, double* squares);
+  // from the first row's own on. Goes on from *rows_done rows, whose energies are in squares, [8],
+  // until their sum is at_least or all rows are done; returns the sum.
+  double (*single_energy)(const float* head, const float* tail, const double* x, size_t size,
+                          size_t stride, double at_least, size_t* rows_done, double* squares);
 
   // out(:, c) += sum_j sum_b table_j(b, :) m_j(c, b); tables: [chunk][K][8] each, one after the
   // other; blocks: which of them j runs over; m: [count][K][K]; out: [chunk][K][8].
