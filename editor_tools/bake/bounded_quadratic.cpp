@@ -1,17 +1,16 @@
 #include "bake/bounded_quadratic.h"
 
-#include <Eigen/SparseCholesky>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <utility>
 
 namespace limber::bake {
 namespace {
 
 using Eigen::ArrayXd;
-using Eigen::VectorXd;
-using Cholesky = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
+using Eigen::ArrayXXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
 
 constexpr int kMaxIterations = 60;
 constexpr double kGapTolerance = 1e-12;
@@ -19,105 +18,211 @@ constexpr double kDualTolerance = 1e-8;
 constexpr double kStationarityTolerance = 1e-8;
 constexpr double kStepToBoundary = 0.995;
 
-// Primal point with its distances to both bounds and their multipliers; all of them positive.
-struct Iterate {
-  ArrayXd x, t;  // t = 1 - x, kept apart because the difference loses the digits near 1
-  ArrayXd z, v;  // multipliers of x >= 0 and t >= 0
+// Arrays are lanes x n: a problem a row. Rows never meet, and sums run along them in one order, so
+// that a row's bits do not depend on the others.
 
-  double Complementarity() const { return (x * z).sum() + (t * v).sum(); }
+ArrayXd SumOfProducts(const ArrayXXd& a, const ArrayXXd& b) {
+  ArrayXd sums = ArrayXd::Zero(a.rows());
+  for (Index i = 0; i < a.cols(); ++i)
+    sums += a.col(i) * b.col(i);
+  return sums;
+}
+
+// Primal points with their distances to both bounds and their multipliers; all of them positive.
+struct Iterate {
+  ArrayXXd x, t;  // t = 1 - x, kept apart because the difference loses the digits near 1
+  ArrayXXd z, v;  // multipliers of x >= 0 and t >= 0
+
+  ArrayXd Complementarity() const { return SumOfProducts(x, z) + SumOfProducts(t, v); }
 };
 
 struct Step {
-  ArrayXd x, z, v;  // t moves by -x
+  ArrayXXd x, z, v;  // t moves by -x
 };
 
-// Largest fraction of `step`, up to 1, that keeps `value` positive.
-double FractionToBoundary(const ArrayXd& value, const ArrayXd& step) {
-  double fraction = 1;
-  for (Eigen::Index i = 0; i < value.size(); ++i) {
-    if (step(i) < 0) fraction = std::min(fraction, -value(i) / step(i));
+// Lowers fractions to the largest that keep `value` + sign fraction `step` positive.
+void LimitToBoundary(const ArrayXXd& value, const ArrayXXd& step, double sign, ArrayXd* fractions) {
+  for (Index i = 0; i < value.cols(); ++i) {
+    for (Index lane = 0; lane < value.rows(); ++lane) {
+      const double change = sign * step(lane, i);
+      if (change < 0) (*fractions)(lane) = std::min((*fractions)(lane), -value(lane, i) / change);
+    }
   }
-  return fraction;
 }
 
-double FractionToBoundary(const Iterate& at, const Step& step) {
-  return std::min({FractionToBoundary(at.x, step.x), FractionToBoundary(at.t, -step.x),
-                   FractionToBoundary(at.z, step.z), FractionToBoundary(at.v, step.v)});
+// Largest fractions, up to 1.
+ArrayXd FractionsToBoundary(const Iterate& at, const Step& step) {
+  ArrayXd fractions = ArrayXd::Ones(at.x.rows());
+  LimitToBoundary(at.x, step.x, 1, &fractions);
+  LimitToBoundary(at.t, step.x, -1, &fractions);
+  LimitToBoundary(at.z, step.z, 1, &fractions);
+  LimitToBoundary(at.v, step.v, 1, &fractions);
+  return fractions;
 }
 
-Iterate Moved(const Iterate& at, const Step& step, double fraction) {
-  return {at.x + fraction * step.x, at.t - fraction * step.x, at.z + fraction * step.z,
-          at.v + fraction * step.v};
+Iterate Moved(const Iterate& at, const Step& step, const ArrayXd& fractions) {
+  return {at.x + step.x.colwise() * fractions, at.t - step.x.colwise() * fractions,
+          at.z + step.z.colwise() * fractions, at.v + step.v.colwise() * fractions};
 }
 
-// Factors Q + diag(extra); false where that is not positive definite.
-bool Factorise(Eigen::SparseMatrix<double> Q, const ArrayXd& extra, Cholesky* factor) {
-  for (Eigen::Index i = 0; i < extra.size(); ++i)
-    Q.coeffRef(i, i) += extra(i);
-  factor->factorize(Q);
-  return factor->info() == Eigen::Success;
-}
+// One call's work: all its problems in units in which the largest gradient at zero is one.
+class LaneSolver {
+ public:
+  LaneSolver(const Eigen::SparseMatrix<double>& Q, const LaneCholesky& cholesky, const MatrixXd& c,
+             std::vector<BoundedQuadraticReport>* reports)
+      : Q_(Q),
+        cholesky_(cholesky),
+        reports_(*reports),
+        num_lanes_(c.cols() <= LaneCholesky::kFew ? LaneCholesky::kFew : LaneCholesky::kMany) {
+    const Index n = c.rows();
+    linear_ = ArrayXXd::Zero(num_lanes_, n);
+    for (Index lane = 0; lane < c.cols(); ++lane) {
+      const double scale = n > 0 ? c.col(lane).lpNorm<Eigen::Infinity>() : 0;
+      const auto l = static_cast<size_t>(lane);
+      is_active_[l] = scale > 0;
+      if (!is_active_[l]) {  // nothing pulls: zero is the optimum
+        reports_[l].converged = scale == 0;
+        continue;
+      }
+      scales_[l] = 1 / scale;
+      linear_.row(lane) = c.col(lane).transpose().array() / scale;
+    }
+    at_.x = at_.t = ArrayXXd::Constant(num_lanes_, n, 0.5);
+    at_.z = at_.v = ArrayXXd::Ones(num_lanes_, n);
+  }
 
-// The Newton step towards x z = lower and t v = upper (elementwise), by elimination of the
-// multipliers: (Q + z/x + v/t) dx = -dual residual + (lower/x - z) - (upper/t - v).
-Step SolveStep(const Cholesky& factor, const Iterate& at, const ArrayXd& dual_residual,
-               const ArrayXd& lower, const ArrayXd& upper) {
-  const ArrayXd to_z = lower / at.x - at.z;
-  const ArrayXd to_v = upper / at.t - at.v;
-  Step step;
-  step.x = factor.solve((-dual_residual + to_z - to_v).matrix()).array();
-  step.z = to_z - at.z / at.x * step.x;
-  step.v = to_v + at.v / at.t * step.x;
-  return step;
-}
+  void Run(const std::function<bool()>& keep_going) {
+    while (true) {
+      UpdateGradients();
+      for (size_t lane = 0; lane < reports_.size(); ++lane) {
+        if (!is_active_[lane]) continue;
+        Judge(lane);
+        if (reports_[lane].converged || reports_[lane].iterations == kMaxIterations)
+          is_active_[lane] = false;
+      }
+      if (!IsAnyActive() || !keep_going()) return;
+      TakeStep();
+    }
+  }
+
+  // The more exact of x and 1 - t, inside [0, 1]; zero where nothing pulls.
+  Eigen::VectorXd Solution(Index lane) const {
+    if (scales_[static_cast<size_t>(lane)] == 0) return Eigen::VectorXd::Zero(at_.x.cols());
+    const auto x = at_.x.row(lane), t = at_.t.row(lane);
+    return (x < t).select(x, 1 - t).matrix().transpose();
+  }
+
+ private:
+  bool IsAnyActive() const {
+    return std::find(is_active_.begin(), is_active_.end(), true) != is_active_.end();
+  }
+
+  void UpdateGradients() {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const RowMajor> x(at_.x.data(), at_.x.cols(), num_lanes_);
+    const RowMajor product = Q_ * x;
+    Qx_ = Eigen::Map<const ArrayXXd>(product.data(), num_lanes_, at_.x.cols()).colwise() *
+          Eigen::Map<const ArrayXd>(scales_.data(), num_lanes_);
+    gradient_ = Qx_ + linear_;
+    dual_residual_ = gradient_ - at_.z + at_.v;
+    complementarity_ = at_.Complementarity();
+    sizes_ = 0.5 * SumOfProducts(at_.x, Qx_) + SumOfProducts(linear_, at_.x).abs();
+  }
+
+  void Judge(size_t lane) {
+    BoundedQuadraticReport& report = reports_[lane];
+    const auto row = static_cast<Index>(lane);
+    const auto x = at_.x.row(row);
+    report.gap = complementarity_(row) / sizes_(row);
+    report.stationarity = (x - (x - gradient_.row(row)).max(0.0).min(1.0)).abs().maxCoeff();
+    report.converged = report.gap <= kGapTolerance &&
+                       dual_residual_.row(row).abs().maxCoeff() <= kDualTolerance &&
+                       report.stationarity <= kStationarityTolerance;
+  }
+
+  // The Newton step towards x z = lower and t v = upper (elementwise), by elimination of the
+  // multipliers: (Q + z/x + v/t) dx = -dual residual + (lower/x - z) - (upper/t - v).
+  Step SolveStep(const ArrayXXd& lower, const ArrayXXd& upper) {
+    const ArrayXXd to_z = lower / at_.x - at_.z;
+    const ArrayXXd to_v = upper / at_.t - at_.v;
+    Step step;
+    step.x = to_z - to_v - dual_residual_;
+    cholesky_.Solve(factor_, num_lanes_, step.x.data(), &scratch_);
+    step.z = to_z - at_.z / at_.x * step.x;
+    step.v = to_v + at_.v / at_.t * step.x;
+    return step;
+  }
+
+  // Lanes at rest are worked on along with the others, to no effect.
+  void TakeStep() {
+    ArrayXXd diagonal = at_.z / at_.x + at_.v / at_.t;
+    std::array<double, LaneCholesky::kMany> scales = scales_;
+    for (Index lane = 0; lane < num_lanes_; ++lane) {
+      const auto l = static_cast<size_t>(lane);
+      if (is_active_[l]) {
+        ++reports_[l].iterations;
+        continue;
+      }
+      diagonal.row(lane).setOnes();
+      scales[l] = 0;
+    }
+    std::array<bool, LaneCholesky::kMany> definite = {};
+    cholesky_.Factorise(scales.data(), diagonal.data(), num_lanes_, &factor_, definite.data());
+    const ArrayXXd zero = ArrayXXd::Zero(num_lanes_, at_.x.cols());
+    const Step affine = SolveStep(zero, zero);
+    const double count = static_cast<double>(2 * at_.x.cols());
+    const ArrayXd mu = complementarity_ / count;
+    const ArrayXd mu_affine =
+        Moved(at_, affine, FractionsToBoundary(at_, affine)).Complementarity() / count;
+    const ArrayXd centred = mu * (mu_affine / mu).cube();
+    const ArrayXXd corrections = affine.x * affine.z, upper_corrections = affine.x * affine.v;
+    const Step step =
+        SolveStep((-corrections).colwise() + centred, upper_corrections.colwise() + centred);
+    const ArrayXd fractions = (kStepToBoundary * FractionsToBoundary(at_, step)).min(1.0);
+    const Iterate next = Moved(at_, step, fractions);
+    for (size_t lane = 0; lane < is_active_.size(); ++lane) {
+      if (!is_active_[lane]) continue;
+      is_active_[lane] = definite[lane] && Adopt(next, static_cast<Index>(lane));
+    }
+  }
+
+  bool Adopt(const Iterate& next, Index lane) {
+    if (!next.x.row(lane).allFinite() || !next.z.row(lane).allFinite() ||
+        !next.v.row(lane).allFinite()) {
+      return false;
+    }
+    at_.x.row(lane) = next.x.row(lane);
+    at_.t.row(lane) = next.t.row(lane);
+    at_.z.row(lane) = next.z.row(lane);
+    at_.v.row(lane) = next.v.row(lane);
+    return true;
+  }
+
+  const Eigen::SparseMatrix<double>& Q_;
+  const LaneCholesky& cholesky_;
+  std::vector<BoundedQuadraticReport>& reports_;
+  int num_lanes_;
+  std::array<double, LaneCholesky::kMany> scales_ = {};  // of Q; zero where nothing pulls
+  std::array<bool, LaneCholesky::kMany> is_active_ = {};
+  ArrayXXd linear_;  // c
+  Iterate at_;
+  ArrayXXd Qx_, gradient_, dual_residual_;
+  ArrayXd complementarity_, sizes_;
+  std::vector<double> factor_, scratch_;
+};
 
 }  // namespace
 
-void BoundedQuadratic::Solve(const VectorXd& c, const std::function<bool()>& keep_going,
-                             VectorXd* x, BoundedQuadraticReport* report) const {
-  *report = {};
-  const Eigen::Index n = c.size();
-  *x = VectorXd::Zero(n);
-  const double scale = n > 0 ? c.lpNorm<Eigen::Infinity>() : 0;
-  if (!(scale > 0)) {  // nothing pulls: zero is the optimum
-    report->converged = scale == 0;
-    return;
-  }
-  // In units in which the largest gradient at zero is one.
-  const Eigen::SparseMatrix<double> Q = Q_ / scale;
-  const ArrayXd linear = c.array() / scale;
-  Cholesky factor;
-  factor.analyzePattern(Q);
-  Iterate at{ArrayXd::Constant(n, 0.5), ArrayXd::Constant(n, 0.5), ArrayXd::Ones(n),
-             ArrayXd::Ones(n)};
-  for (;; ++report->iterations) {
-    const ArrayXd Qx = (Q * at.x.matrix()).array();
-    const ArrayXd gradient = Qx + linear;
-    const ArrayXd dual_residual = gradient - at.z + at.v;
-    const double size = 0.5 * (at.x * Qx).sum() + std::abs((linear * at.x).sum());
-    report->gap = at.Complementarity() / size;
-    report->stationarity =
-        (at.x - (at.x - gradient).max(0.0).min(1.0)).matrix().lpNorm<Eigen::Infinity>();
-    report->converged = report->gap <= kGapTolerance &&
-                        dual_residual.abs().maxCoeff() <= kDualTolerance &&
-                        report->stationarity <= kStationarityTolerance;
-    if (report->converged || report->iterations == kMaxIterations || !keep_going()) break;
+BoundedQuadratic::BoundedQuadratic(const Eigen::SparseMatrix<double>& Q) : Q_(Q), cholesky_(Q) {}
 
-    if (!Factorise(Q, at.z / at.x + at.v / at.t, &factor)) break;
-    const ArrayXd zero = ArrayXd::Zero(n);
-    const Step affine = SolveStep(factor, at, dual_residual, zero, zero);
-    const double mu = at.Complementarity() / static_cast<double>(2 * n);
-    const double mu_affine = Moved(at, affine, FractionToBoundary(at, affine)).Complementarity() /
-                             static_cast<double>(2 * n);
-    const double centred = mu * std::pow(mu_affine / mu, 3);
-    const Step step = SolveStep(factor, at, dual_residual, centred - affine.x * affine.z,
-                                centred + affine.x * affine.v);
-    const double fraction = FractionToBoundary(at, step);
-    Iterate next = Moved(at, step, std::min(1.0, kStepToBoundary * fraction));
-    if (!next.x.allFinite() || !next.z.allFinite() || !next.v.allFinite()) break;
-    at = std::move(next);
-  }
-  *x = (at.x < at.t).select(at.x, 1 - at.t).matrix();  // the more exact of the two, inside [0, 1]
+void BoundedQuadratic::Solve(const MatrixXd& c, const std::function<bool()>& keep_going,
+                             MatrixXd* x, std::vector<BoundedQuadraticReport>* reports) const {
+  reports->assign(static_cast<size_t>(c.cols()), {});
+  LaneSolver solver(Q_, cholesky_, c, reports);
+  solver.Run(keep_going);
+  x->resize(c.rows(), c.cols());
+  for (Index column = 0; column < c.cols(); ++column)
+    x->col(column) = solver.Solution(column);
 }
 
 }  // namespace limber::bake

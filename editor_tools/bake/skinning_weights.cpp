@@ -114,8 +114,12 @@ Status CheckInput(const geometry::SolveMesh& mesh, std::span<const int> handle_v
   return {};
 }
 
-// Solves the handles' problems on worker threads. The caller's thread only waits and tells of the
-// progress, so that the callback never runs anywhere else.
+int DivideUp(int count, int parts) {
+  return (count + parts - 1) / parts;
+}
+
+// Solves the handles' problems on worker threads, some handles side by side on each. The caller's
+// thread only waits and tells of the progress, so that the callback never runs anywhere else.
 class HandleSolver {
  public:
   HandleSolver(const BoundedQuadratic& problem, const MatrixXd& c)
@@ -126,7 +130,11 @@ class HandleSolver {
         iterations_(static_cast<size_t>(c.cols())) {}
 
   Status Run(int num_threads, const ProgressCallback& progress) {
-    const int num_workers = std::min(num_threads, static_cast<int>(c_.cols()));
+    const int handles = static_cast<int>(c_.cols());
+    // As few rounds as can be, and the handles spread evenly over them.
+    const int rounds = DivideUp(handles, num_threads * BoundedQuadratic::kMostAtOnce);
+    batch_size_ = DivideUp(handles, rounds * num_threads);
+    const int num_workers = std::min(num_threads, DivideUp(handles, batch_size_));
     active_ = num_workers;
     std::vector<std::thread> workers;
     workers.reserve(static_cast<size_t>(std::max(num_workers, 0)));
@@ -157,8 +165,10 @@ class HandleSolver {
  private:
   void Work() {
     try {
-      for (int h = next_++; h < c_.cols() && !cancelled_; h = next_++)
-        SolveHandle(h);
+      for (int first = next_.fetch_add(batch_size_); first < c_.cols() && !cancelled_;
+           first = next_.fetch_add(batch_size_)) {
+        SolveHandles(first, std::min(batch_size_, static_cast<int>(c_.cols()) - first));
+      }
     } catch (const std::exception& exception) {
       const std::lock_guard<std::mutex> lock(mutex_);
       failure_ = exception.what();
@@ -169,18 +179,22 @@ class HandleSolver {
     changed_.notify_all();
   }
 
-  void SolveHandle(int h) {
-    VectorXd x;
+  void SolveHandles(int first, int count) {
+    MatrixXd x;
+    std::vector<BoundedQuadraticReport> reports;
     problem_.Solve(
-        c_.col(h),
+        c_.middleCols(first, count),
         [&] {
-          ++iterations_[h];
+          for (int h = first; h < first + count; ++h)
+            ++iterations_[h];
           changed_.notify_all();
           return !cancelled_;
         },
-        &x, &reports_[h]);
-    solutions_.col(h) = x;
-    iterations_[h] = kExpectedIterations;
+        &x, &reports);
+    solutions_.middleCols(first, count) = x;
+    std::copy(reports.begin(), reports.end(), reports_.begin() + first);
+    for (int h = first; h < first + count; ++h)
+      iterations_[h] = kExpectedIterations;
   }
 
   double Fraction() const {
@@ -210,6 +224,7 @@ class HandleSolver {
   MatrixXd solutions_;
   std::vector<BoundedQuadraticReport> reports_;
   std::vector<std::atomic<int>> iterations_;
+  int batch_size_ = 1;
   std::atomic<int> next_ = 0;
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;

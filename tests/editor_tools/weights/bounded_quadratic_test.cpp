@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -15,6 +17,18 @@ using Eigen::VectorXd;
 
 bool KeepGoing() {
   return true;
+}
+
+// One problem alone.
+void Solve(const MatrixXd& Q, const VectorXd& c, const std::function<bool()>& keep_going,
+           VectorXd* x, BoundedQuadraticReport* report) {
+  MatrixXd solutions;
+  std::vector<BoundedQuadraticReport> reports;
+  BoundedQuadratic(Q.sparseView()).Solve(c, keep_going, &solutions, &reports);
+  ASSERT_EQ(solutions.cols(), 1);
+  ASSERT_EQ(reports.size(), 1u);
+  *x = solutions;
+  *report = reports[0];
 }
 
 // The optimum by projected coordinate descent, one exact coordinate after the other: slow, simple,
@@ -61,7 +75,7 @@ TEST(BoundedQuadratic, AgreesWithCoordinateDescent) {
     const Problem problem = RandomProblem(40, 100, seed);
     VectorXd x;
     BoundedQuadraticReport report;
-    BoundedQuadratic(problem.Q.sparseView()).Solve(problem.c, KeepGoing, &x, &report);
+    Solve(problem.Q, problem.c, KeepGoing, &x, &report);
     EXPECT_TRUE(report.converged);
     EXPECT_LE(report.stationarity, 1e-8);
     EXPECT_LE(report.iterations, 30);
@@ -76,13 +90,38 @@ TEST(BoundedQuadratic, UnitsOfTheObjectiveDoNotMatter) {
   const Problem problem = RandomProblem(30, 1e4, 11);
   VectorXd reference;
   BoundedQuadraticReport report;
-  BoundedQuadratic(problem.Q.sparseView()).Solve(problem.c, KeepGoing, &reference, &report);
+  Solve(problem.Q, problem.c, KeepGoing, &reference, &report);
   for (const double scale : {1e-12, 1e12}) {
     VectorXd x;
-    BoundedQuadratic((scale * problem.Q).sparseView())
-        .Solve(scale * problem.c, KeepGoing, &x, &report);
+    Solve(scale * problem.Q, scale * problem.c, KeepGoing, &x, &report);
     EXPECT_TRUE(report.converged);
     EXPECT_LT((x - reference).lpNorm<Eigen::Infinity>(), 1e-9);
+  }
+}
+
+// Whatever a problem is solved beside, and wherever: the same bits, and its own iterations.
+TEST(BoundedQuadratic, ManyAtOnce_EachIsAsIfAlone) {
+  const Problem problem = RandomProblem(30, 1e3, 7);
+  const BoundedQuadratic quadratic(problem.Q.sparseView());
+  MatrixXd c(30, 8);
+  for (int column = 0; column < 8; ++column)
+    c.col(column) = problem.c * (column - 2) + VectorXd::LinSpaced(30, -column, 1);
+  c.col(3).setZero();
+  for (const int count : {1, 3, 4, 5, 8}) {
+    for (int first = 0; first + count <= 8; first += count) {
+      MatrixXd together;
+      std::vector<BoundedQuadraticReport> reports;
+      quadratic.Solve(c.middleCols(first, count), KeepGoing, &together, &reports);
+      for (int column = 0; column < count; ++column) {
+        VectorXd alone;
+        BoundedQuadraticReport report;
+        Solve(problem.Q, c.col(first + column), KeepGoing, &alone, &report);
+        EXPECT_TRUE(report.converged) << first + column;
+        EXPECT_EQ(together.col(column), alone) << first + column;
+        EXPECT_EQ(reports[size_t(column)].iterations, report.iterations);
+        EXPECT_EQ(reports[size_t(column)].stationarity, report.stationarity);
+      }
+    }
   }
 }
 
@@ -90,7 +129,7 @@ TEST(BoundedQuadratic, OptimumOnACorner_IsFound) {
   const Problem problem{MatrixXd::Identity(5, 5), (VectorXd(5) << 3, -3, 0, -0.5, -1).finished()};
   VectorXd x;
   BoundedQuadraticReport report;
-  BoundedQuadratic(problem.Q.sparseView()).Solve(problem.c, KeepGoing, &x, &report);
+  Solve(problem.Q, problem.c, KeepGoing, &x, &report);
   EXPECT_TRUE(report.converged);
   // The third and fifth are degenerate: at the bound without a force that holds them there.
   EXPECT_LT((x - (VectorXd(5) << 0, 1, 0, 0.5, 1).finished()).lpNorm<Eigen::Infinity>(), 1e-6);
@@ -101,8 +140,7 @@ TEST(BoundedQuadratic, OptimumOnACorner_IsFound) {
 TEST(BoundedQuadratic, NoPull_StaysAtZero) {
   VectorXd x;
   BoundedQuadraticReport report;
-  BoundedQuadratic(MatrixXd::Identity(3, 3).sparseView())
-      .Solve(VectorXd::Zero(3), KeepGoing, &x, &report);
+  Solve(MatrixXd::Identity(3, 3), VectorXd::Zero(3), KeepGoing, &x, &report);
   EXPECT_TRUE(report.converged);
   EXPECT_EQ(x, VectorXd::Zero(3));
 }
@@ -112,9 +150,8 @@ TEST(BoundedQuadratic, Stopped_SaysSo) {
   int allowed = 3;
   VectorXd x;
   BoundedQuadraticReport report;
-  BoundedQuadratic(problem.Q.sparseView())
-      .Solve(
-          problem.c, [&allowed] { return allowed-- > 0; }, &x, &report);
+  Solve(
+      problem.Q, problem.c, [&allowed] { return allowed-- > 0; }, &x, &report);
   EXPECT_FALSE(report.converged);
   EXPECT_EQ(report.iterations, 3);
   EXPECT_GE(x.minCoeff(), 0);
@@ -125,11 +162,11 @@ TEST(BoundedQuadratic, IndefiniteOrNotFinite_IsReportedNotReturnedAsSolved) {
   VectorXd x;
   BoundedQuadraticReport report;
   const MatrixXd indefinite = (VectorXd(2) << -100, 1).finished().asDiagonal();
-  BoundedQuadratic(indefinite.sparseView()).Solve(VectorXd::Ones(2), KeepGoing, &x, &report);
+  Solve(indefinite, VectorXd::Ones(2), KeepGoing, &x, &report);
   EXPECT_FALSE(report.converged);
   MatrixXd not_finite = MatrixXd::Identity(2, 2);
   not_finite(1, 1) = std::nan("");
-  BoundedQuadratic(not_finite.sparseView()).Solve(VectorXd::Ones(2), KeepGoing, &x, &report);
+  Solve(not_finite, VectorXd::Ones(2), KeepGoing, &x, &report);
   EXPECT_FALSE(report.converged);
 }
 

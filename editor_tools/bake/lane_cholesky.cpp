@@ -1,0 +1,251 @@
+#include "bake/lane_cholesky.h"
+
+#include "bake/lane_cholesky_kernels.h"
+
+#include <Eigen/OrderingMethods>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace limber::bake {
+namespace {
+
+using Eigen::SparseMatrix;
+using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
+
+// Supernodes are merged where what is stored and multiplied for nothing stays below this share.
+constexpr double kWastedShare = 0.15;
+constexpr int kWidest = 32;
+
+// [n]: the first row below the diagonal of each column of L, -1 for none (Liu's algorithm).
+std::vector<int> EliminationTree(const SparseMatrix<double>& Q) {
+  const auto n = static_cast<size_t>(Q.cols());
+  std::vector<int> parents(n, -1), ancestors(n, -1);
+  for (int column = 0; column < Q.cols(); ++column) {
+    for (SparseMatrix<double>::InnerIterator it(Q, column); it; ++it) {
+      int at = static_cast<int>(it.row());
+      while (at != -1 && at < column) {
+        const int next = std::exchange(ancestors[static_cast<size_t>(at)], column);
+        if (next == -1) parents[static_cast<size_t>(at)] = column;
+        at = next;
+      }
+    }
+  }
+  return parents;
+}
+
+// [n]: an order in which every column comes after its children, and right after the last of them.
+std::vector<int> PostOrder(const std::vector<int>& parents) {
+  const size_t n = parents.size();
+  std::vector<int> child(n, -1), sibling(n, -1), roots, order;
+  for (size_t i = n; i-- > 0;) {
+    if (parents[i] < 0) {
+      roots.push_back(static_cast<int>(i));
+    } else {
+      sibling[i] = std::exchange(child[static_cast<size_t>(parents[i])], static_cast<int>(i));
+    }
+  }
+  order.reserve(n);
+  std::vector<int> path;
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
+    path.push_back(*root);
+    while (!path.empty()) {
+      int& next = child[static_cast<size_t>(path.back())];
+      if (next >= 0) {
+        path.push_back(std::exchange(next, sibling[static_cast<size_t>(next)]));
+      } else {
+        order.push_back(path.back());
+        path.pop_back();
+      }
+    }
+  }
+  return order;
+}
+
+SparseMatrix<double> Permuted(const SparseMatrix<double>& Q, const std::vector<int>& new_of_old) {
+  Permutation permutation(Q.cols());
+  std::copy(new_of_old.begin(), new_of_old.end(), permutation.indices().data());
+  SparseMatrix<double> permuted;
+  permuted = Q.twistedBy(permutation);
+  return permuted;
+}
+
+// Sorted rows of every column of L, the diagonal among them.
+std::vector<std::vector<int>> Patterns(const SparseMatrix<double>& Q,
+                                       const std::vector<int>& parents) {
+  const auto n = static_cast<size_t>(Q.cols());
+  std::vector<std::vector<int>> patterns(n);
+  std::vector<int> seen(n, -1);
+  for (size_t column = 0; column < n; ++column) {
+    std::vector<int>& pattern = patterns[column];
+    // What the children left there comes first.
+    pattern.push_back(static_cast<int>(column));
+    std::sort(pattern.begin(), pattern.end());
+    pattern.erase(std::unique(pattern.begin(), pattern.end()), pattern.end());
+    for (const int row : pattern)
+      seen[static_cast<size_t>(row)] = static_cast<int>(column);
+    const size_t before = pattern.size();
+    for (SparseMatrix<double>::InnerIterator it(Q, static_cast<int>(column)); it; ++it) {
+      const auto row = static_cast<size_t>(it.row());
+      if (row > column && seen[row] != static_cast<int>(column)) pattern.push_back(it.row());
+    }
+    if (pattern.size() > before) std::sort(pattern.begin(), pattern.end());
+    if (parents[column] < 0) continue;
+    std::vector<int>& up = patterns[static_cast<size_t>(parents[column])];
+    up.insert(up.end(), pattern.begin() + 1, pattern.end());
+  }
+  return patterns;
+}
+
+}  // namespace
+
+LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q) {
+  Permutation minimum_degree;
+  Eigen::AMDOrdering<int>()(Q, minimum_degree);
+  const Permutation inverse = minimum_degree.inverse();
+  new_of_old_.assign(inverse.indices().data(), inverse.indices().data() + Q.cols());
+  const std::vector<int> order = PostOrder(EliminationTree(Permuted(Q, new_of_old_)));
+  std::vector<int> place(order.size());
+  for (size_t i = 0; i < order.size(); ++i)
+    place[static_cast<size_t>(order[i])] = static_cast<int>(i);
+  for (int& number : new_of_old_)
+    number = place[static_cast<size_t>(number)];
+
+  const SparseMatrix<double> permuted = Permuted(Q, new_of_old_);
+  entries_begin_.assign(1, 0);
+  for (int column = 0; column < permuted.cols(); ++column) {
+    for (SparseMatrix<double>::InnerIterator it(permuted, column); it; ++it) {
+      if (it.row() >= column) entries_.push_back({static_cast<int>(it.row()), it.value()});
+    }
+    entries_begin_.push_back(entries_.size());
+  }
+  const std::vector<int> parents = EliminationTree(permuted);
+  FindSupernodes(parents, Patterns(permuted, parents));
+}
+
+// Columns that follow each other up the tree are one supernode where they have one pattern, or
+// nearly: the rows are then those of the last one, which holds the others'.
+void LaneCholesky::FindSupernodes(const std::vector<int>& parents,
+                                  std::vector<std::vector<int>> patterns) {
+  const int n = size();
+  supernode_of_.resize(static_cast<size_t>(n));
+  for (int first = 0; first < n;) {
+    int end = first + 1;
+    double used = static_cast<double>(patterns[static_cast<size_t>(first)].size());
+    for (; end < n && end - first < kWidest && parents[static_cast<size_t>(end) - 1] == end;
+         ++end) {
+      const double rows = static_cast<double>(patterns[static_cast<size_t>(end)].size());
+      const double width = end - first + 1;
+      const double held = width * (rows + width - 1) - 0.5 * width * (width - 1);
+      if (held * (1 - kWastedShare) > used + rows) break;
+      used += rows;
+    }
+    Supernode supernode;
+    supernode.first = first;
+    supernode.width = end - first;
+    supernode.rows = rows_.size();
+    for (int column = first; column < end; ++column) {
+      supernode_of_[static_cast<size_t>(column)] = static_cast<int>(supernodes_.size());
+      if (column + 1 < end) rows_.push_back(column);
+      if (column + 1 < end) std::vector<int>().swap(patterns[static_cast<size_t>(column)]);
+    }
+    const std::vector<int>& last = patterns[static_cast<size_t>(end) - 1];
+    rows_.insert(rows_.end(), last.begin(), last.end());
+    supernode.num_rows = static_cast<int>(rows_.size() - supernode.rows);
+    supernode.values = num_values_;
+    num_values_ += static_cast<size_t>(supernode.num_rows) * static_cast<size_t>(supernode.width);
+    supernodes_.push_back(supernode);
+    first = end;
+  }
+}
+
+double* LaneCholesky::Row(const Supernode& supernode, int row, int lanes,
+                          std::vector<double>* values) const {
+  return values->data() +
+         (supernode.values + static_cast<size_t>(row) * static_cast<size_t>(supernode.width)) *
+             static_cast<size_t>(lanes);
+}
+
+// The matrix itself, where the supernode's part of L will be. local: of a row, its place there;
+// diagonal: in the permuted order.
+void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, const double* scales,
+                         const double* diagonal, int lanes, std::vector<double>* values) const {
+  const auto step = static_cast<size_t>(lanes);
+  for (int column = 0; column < to.width; ++column) {
+    const auto global = static_cast<size_t>(to.first + column),
+               offset = static_cast<size_t>(column);
+    for (size_t e = entries_begin_[global]; e < entries_begin_[global + 1]; ++e) {
+      const int row = local[static_cast<size_t>(entries_[e].row)];
+      double* number = Row(to, row, lanes, values) + offset * step;
+      for (size_t lane = 0; lane < step; ++lane)
+        number[lane] += scales[lane] * entries_[e].value;
+    }
+    double* pivot = Row(to, column, lanes, values) + offset * step;
+    for (size_t lane = 0; lane < step; ++lane)
+      pivot[lane] += diagonal[global * step + lane];
+  }
+}
+
+void LaneCholesky::Factorise(const double* scales, const double* diagonal, int lanes,
+                             std::vector<double>* values, bool* definite) const {
+  const auto n = static_cast<size_t>(size()), step = static_cast<size_t>(lanes);
+  values->assign(num_values_ * step, 0.0);
+  std::fill_n(definite, step, true);
+  std::vector<double> permuted(n * step);
+  for (size_t old = 0; old < n; ++old)
+    std::copy_n(diagonal + old * step, step,
+                permuted.data() + static_cast<size_t>(new_of_old_[old]) * step);
+  // Supernodes with rows that are still to be worked on, listed where the next of these belongs.
+  std::vector<int> head(supernodes_.size(), -1), next(head), rows_done(head), local(n, -1);
+  const auto list = [&](size_t which, int done) {
+    const Supernode& supernode = supernodes_[which];
+    rows_done[which] = done;
+    if (done == supernode.num_rows) return;
+    const int row = rows_[supernode.rows + static_cast<size_t>(done)];
+    const auto later = static_cast<size_t>(supernode_of_[static_cast<size_t>(row)]);
+    next[which] = std::exchange(head[later], static_cast<int>(which));
+  };
+  for (size_t target = 0; target < supernodes_.size(); ++target) {
+    const Supernode& to = supernodes_[target];
+    for (int row = 0; row < to.num_rows; ++row)
+      local[static_cast<size_t>(rows_[to.rows + static_cast<size_t>(row)])] = row;
+    Begin(to, local, scales, permuted.data(), lanes, values);
+    for (int source = head[target]; source >= 0;) {
+      const auto which = static_cast<size_t>(source);
+      const Supernode& from = supernodes_[which];
+      const int* from_rows = rows_.data() + from.rows;
+      int end = rows_done[which];
+      while (end < from.num_rows && from_rows[end] < to.first + to.width)
+        ++end;
+      SubtractProducts({Row(from, 0, lanes, values), from.width, from_rows, rows_done[which], end,
+                        from.num_rows, local.data(), to.first, to.width, Row(to, 0, lanes, values)},
+                       lanes);
+      source = next[which];
+      list(which, end);
+    }
+    FactorPanel(Row(to, 0, lanes, values), to.num_rows, to.width, lanes, definite);
+    list(target, to.width);
+  }
+}
+
+void LaneCholesky::Solve(const std::vector<double>& values, int lanes, double* x,
+                         std::vector<double>* scratch) const {
+  const auto n = static_cast<size_t>(size()), step = static_cast<size_t>(lanes);
+  scratch->resize(n * step);
+  for (size_t old = 0; old < n; ++old)
+    std::copy_n(x + old * step, step,
+                scratch->data() + static_cast<size_t>(new_of_old_[old]) * step);
+  const auto panel = [&](const Supernode& s) {
+    return PanelView{values.data() + s.values * step, rows_.data() + s.rows, s.num_rows, s.width};
+  };
+  for (const Supernode& supernode : supernodes_)
+    SolveForward(panel(supernode), lanes, scratch->data());
+  for (auto supernode = supernodes_.rbegin(); supernode != supernodes_.rend(); ++supernode)
+    SolveBackward(panel(*supernode), lanes, scratch->data());
+  for (size_t old = 0; old < n; ++old)
+    std::copy_n(scratch->data() + static_cast<size_t>(new_of_old_[old]) * step, step,
+                x + old * step);
+}
+
+}  // namespace limber::bake
