@@ -18,6 +18,10 @@ constexpr double kDualTolerance = 1e-8;
 constexpr double kStationarityTolerance = 1e-8;
 constexpr double kStepToBoundary = 0.995;
 
+// The start: so far inside the bounds, and such a product of distance and multiplier there.
+constexpr double kStartMargin = 0.02, kStartProduct = 1e-3;
+constexpr double kStartDiagonal = 1e-12;  // what keeps the unbounded problem definite
+
 // Arrays are lanes x n: a problem a row. Rows never meet, and sums run along them in one order, so
 // that a row's bits do not depend on the others.
 
@@ -87,11 +91,10 @@ class LaneSolver {
       scales_[l] = 1 / scale;
       linear_.row(lane) = c.col(lane).transpose().array() / scale;
     }
-    at_.x = at_.t = ArrayXXd::Constant(num_lanes_, n, 0.5);
-    at_.z = at_.v = ArrayXXd::Ones(num_lanes_, n);
   }
 
   void Run(const std::function<bool()>& keep_going) {
+    Begin();
     while (true) {
       UpdateGradients();
       for (size_t lane = 0; lane < reports_.size(); ++lane) {
@@ -115,6 +118,38 @@ class LaneSolver {
  private:
   bool IsAnyActive() const {
     return std::find(is_active_.begin(), is_active_.end(), true) != is_active_.end();
+  }
+
+  // Where the problem without bounds has its optimum, brought inside them: near the middle of the
+  // bounds nothing is known yet of what lies at which, and several steps are spent to find out.
+  void Begin() {
+    const ArrayXXd diagonal = ArrayXXd::Constant(num_lanes_, linear_.cols(), kStartDiagonal);
+    at_.x = -linear_;
+    Factorise(diagonal);
+    cholesky_.Solve(factor_, num_lanes_, at_.x.data(), &scratch_);
+    for (Index lane = 0; lane < num_lanes_; ++lane) {
+      if (!is_active_[static_cast<size_t>(lane)]) at_.x.row(lane).setConstant(0.5);
+    }
+    at_.x = at_.x.max(kStartMargin).min(1 - kStartMargin);
+    at_.t = 1 - at_.x;
+    at_.z = at_.v = ArrayXXd::Zero(num_lanes_, linear_.cols());
+    UpdateGradients();
+    at_.z = gradient_.max(0.0) + kStartProduct / at_.x;
+    at_.v = (-gradient_).max(0.0) + kStartProduct / at_.t;
+  }
+
+  // Of Q and a diagonal, the latter one where a lane is at rest; a lane that is not definite rests.
+  void Factorise(ArrayXXd diagonal) {
+    std::array<double, LaneCholesky::kMany> scales = scales_;
+    for (Index lane = 0; lane < num_lanes_; ++lane) {
+      if (is_active_[static_cast<size_t>(lane)]) continue;
+      diagonal.row(lane).setOnes();
+      scales[static_cast<size_t>(lane)] = 0;
+    }
+    std::array<bool, LaneCholesky::kMany> definite = {};
+    cholesky_.Factorise(scales.data(), diagonal.data(), num_lanes_, &factor_, definite.data());
+    for (size_t lane = 0; lane < is_active_.size(); ++lane)
+      is_active_[lane] = is_active_[lane] && definite[lane];
   }
 
   void UpdateGradients() {
@@ -155,19 +190,9 @@ class LaneSolver {
 
   // Lanes at rest are worked on along with the others, to no effect.
   void TakeStep() {
-    ArrayXXd diagonal = at_.z / at_.x + at_.v / at_.t;
-    std::array<double, LaneCholesky::kMany> scales = scales_;
-    for (Index lane = 0; lane < num_lanes_; ++lane) {
-      const auto l = static_cast<size_t>(lane);
-      if (is_active_[l]) {
-        ++reports_[l].iterations;
-        continue;
-      }
-      diagonal.row(lane).setOnes();
-      scales[l] = 0;
-    }
-    std::array<bool, LaneCholesky::kMany> definite = {};
-    cholesky_.Factorise(scales.data(), diagonal.data(), num_lanes_, &factor_, definite.data());
+    for (size_t lane = 0; lane < reports_.size(); ++lane)
+      reports_[lane].iterations += is_active_[lane] ? 1 : 0;
+    Factorise(at_.z / at_.x + at_.v / at_.t);
     const ArrayXXd zero = ArrayXXd::Zero(num_lanes_, at_.x.cols());
     const Step affine = SolveStep(zero, zero);
     const double count = static_cast<double>(2 * at_.x.cols());
@@ -181,8 +206,7 @@ class LaneSolver {
     const ArrayXd fractions = (kStepToBoundary * FractionsToBoundary(at_, step)).min(1.0);
     const Iterate next = Moved(at_, step, fractions);
     for (size_t lane = 0; lane < is_active_.size(); ++lane) {
-      if (!is_active_[lane]) continue;
-      is_active_[lane] = definite[lane] && Adopt(next, static_cast<Index>(lane));
+      if (is_active_[lane]) is_active_[lane] = Adopt(next, static_cast<Index>(lane));
     }
   }
 

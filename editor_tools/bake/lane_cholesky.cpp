@@ -76,21 +76,15 @@ std::vector<std::vector<int>> Patterns(const SparseMatrix<double>& Q,
                                        const std::vector<int>& parents) {
   const auto n = static_cast<size_t>(Q.cols());
   std::vector<std::vector<int>> patterns(n);
-  std::vector<int> seen(n, -1);
   for (size_t column = 0; column < n; ++column) {
-    std::vector<int>& pattern = patterns[column];
-    // What the children left there comes first.
+    std::vector<int>& pattern = patterns[column];  // so far what the children left there
     pattern.push_back(static_cast<int>(column));
+    for (SparseMatrix<double>::InnerIterator it(Q, static_cast<int>(column)); it; ++it) {
+      if (it.row() > it.col()) pattern.push_back(static_cast<int>(it.row()));
+    }
     std::sort(pattern.begin(), pattern.end());
     pattern.erase(std::unique(pattern.begin(), pattern.end()), pattern.end());
-    for (const int row : pattern)
-      seen[static_cast<size_t>(row)] = static_cast<int>(column);
-    const size_t before = pattern.size();
-    for (SparseMatrix<double>::InnerIterator it(Q, static_cast<int>(column)); it; ++it) {
-      const auto row = static_cast<size_t>(it.row());
-      if (row > column && seen[row] != static_cast<int>(column)) pattern.push_back(it.row());
-    }
-    if (pattern.size() > before) std::sort(pattern.begin(), pattern.end());
+    pattern.shrink_to_fit();
     if (parents[column] < 0) continue;
     std::vector<int>& up = patterns[static_cast<size_t>(parents[column])];
     up.insert(up.end(), pattern.begin() + 1, pattern.end());
