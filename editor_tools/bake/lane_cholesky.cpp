@@ -167,8 +167,8 @@ void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, con
                          const double* diagonal, int lanes, std::vector<double>* values) const {
   const auto step = static_cast<size_t>(lanes);
   for (int column = 0; column < to.width; ++column) {
-    const auto global = static_cast<size_t>(to.first + column),
-               offset = static_cast<size_t>(column);
+    const auto offset = static_cast<size_t>(column),
+               global = static_cast<size_t>(to.first) + offset;
     for (size_t e = entries_begin_[global]; e < entries_begin_[global + 1]; ++e) {
       const int row = local[static_cast<size_t>(entries_[e].row)];
       double* number = Row(to, row, lanes, values) + offset * step;

@@ -27,13 +27,13 @@ struct Lanes {
 template <int kParts>
 LIMBER_INLINE void Load(const double* from, Lanes<kParts>* lanes) {
   for (int p = 0; p < kParts; ++p)
-    lanes->part[p] = *reinterpret_cast<const FourInMemory*>(from + 4 * p);
+    lanes->part[p] = *reinterpret_cast<const FourInMemory*>(from + ptrdiff_t{4} * p);
 }
 
 template <int kParts>
 LIMBER_INLINE void Store(const Lanes<kParts>& lanes, double* to) {
   for (int p = 0; p < kParts; ++p)
-    *reinterpret_cast<FourInMemory*>(to + 4 * p) = lanes.part[p];
+    *reinterpret_cast<FourInMemory*>(to + ptrdiff_t{4} * p) = lanes.part[p];
 }
 
 // *sum -= a b, all of them numbers.
@@ -48,20 +48,22 @@ LIMBER_INLINE void SubtractProduct(const double* a, const double* b, Lanes<kPart
 
 // *sum -= sum_k a[k] b[k] over `count` numbers.
 template <int kParts>
-LIMBER_INLINE void SubtractDot(const double* a, const double* b, int count, Lanes<kParts>* sum) {
-  for (int k = 0; k < count; ++k, a += 4 * kParts, b += 4 * kParts)
+LIMBER_INLINE void SubtractDot(const double* a, const double* b, ptrdiff_t count,
+                               Lanes<kParts>* sum) {
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
+  for (; count > 0; --count, a += kLanes, b += kLanes)
     SubtractProduct(a, b, sum);
 }
 
 template <int kParts>
 LIMBER_INLINE void SubtractProductsOf(const ProductsView& view) {
-  constexpr ptrdiff_t kLanes = 4 * kParts;
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
   const ptrdiff_t from_row = view.from_width * kLanes, to_row = view.to_width * kLanes;
-  for (int row = view.begin; row < view.from_num_rows; ++row) {
+  for (ptrdiff_t row = view.begin; row < view.from_num_rows; ++row) {
     const double* a = view.from + row * from_row;
     double* to = view.to + view.local[view.from_rows[row]] * to_row;
-    const int last = row < view.end ? row + 1 : view.end;
-    for (int column = view.begin; column < last; ++column) {
+    const ptrdiff_t last = row < view.end ? row + 1 : view.end;
+    for (ptrdiff_t column = view.begin; column < last; ++column) {
       double* number = to + (view.from_rows[column] - view.to_first) * kLanes;
       Lanes<kParts> sum;
       Load(number, &sum);
@@ -79,11 +81,12 @@ LIMBER_INLINE void TakeRoot(double* number, bool* definite) {
 }
 
 template <int kParts>
-LIMBER_INLINE void FactorPanelOf(double* panel, int num_rows, int width, bool* definite) {
-  constexpr ptrdiff_t kLanes = 4 * kParts;
-  for (int row = 0; row < num_rows; ++row) {
+LIMBER_INLINE void FactorPanelOf(double* panel, ptrdiff_t num_rows, ptrdiff_t width,
+                                 bool* definite) {
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
+  for (ptrdiff_t row = 0; row < num_rows; ++row) {
     double* a = panel + row * width * kLanes;
-    for (int column = 0; column < width && column <= row; ++column) {
+    for (ptrdiff_t column = 0; column < width && column <= row; ++column) {
       const double* pivot = panel + (column * width + column) * kLanes;
       Lanes<kParts> sum;
       Load(a + column * kLanes, &sum);
@@ -105,9 +108,9 @@ LIMBER_INLINE void FactorPanelOf(double* panel, int num_rows, int width, bool* d
 
 template <int kParts>
 LIMBER_INLINE void SolveForwardOf(const PanelView& panel, double* x) {
-  constexpr ptrdiff_t kLanes = 4 * kParts;
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
   double* top = x + panel.rows[0] * kLanes;
-  for (int row = 0; row < panel.num_rows; ++row) {
+  for (ptrdiff_t row = 0; row < panel.num_rows; ++row) {
     const double* values = panel.values + row * panel.width * kLanes;
     double* to = x + panel.rows[row] * kLanes;
     Lanes<kParts> sum;
@@ -125,9 +128,9 @@ LIMBER_INLINE void SolveForwardOf(const PanelView& panel, double* x) {
 
 template <int kParts>
 LIMBER_INLINE void SolveBackwardOf(const PanelView& panel, double* x) {
-  constexpr ptrdiff_t kLanes = 4 * kParts;
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
   double* top = x + panel.rows[0] * kLanes;
-  for (int row = panel.num_rows - 1; row >= 0; --row) {
+  for (ptrdiff_t row = panel.num_rows - 1; row >= 0; --row) {
     const double* values = panel.values + row * panel.width * kLanes;
     double* from = x + panel.rows[row] * kLanes;
     if (row < panel.width) {
@@ -138,8 +141,8 @@ LIMBER_INLINE void SolveBackwardOf(const PanelView& panel, double* x) {
         number.part[p] /= divisor.part[p];
       Store(number, from);
     }
-    const int count = row < panel.width ? row : panel.width;
-    for (int k = 0; k < count; ++k) {
+    const ptrdiff_t count = row < panel.width ? row : panel.width;
+    for (ptrdiff_t k = 0; k < count; ++k) {
       Lanes<kParts> sum;
       Load(top + k * kLanes, &sum);
       SubtractProduct(values + k * kLanes, from, &sum);
@@ -156,7 +159,7 @@ void SubtractProducts(const ProductsView& view, int lanes) {
 }
 
 LIMBER_FOR_EACH_INSTRUCTION_SET
-void FactorPanel(double* panel, int num_rows, int width, int lanes, bool* definite) {
+void FactorPanel(double* panel, ptrdiff_t num_rows, ptrdiff_t width, int lanes, bool* definite) {
   lanes == 4 ? FactorPanelOf<1>(panel, num_rows, width, definite)
              : FactorPanelOf<2>(panel, num_rows, width, definite);
 }

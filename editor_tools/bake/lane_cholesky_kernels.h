@@ -3,17 +3,20 @@
 // nothing is fused.
 #pragma once
 
+#include <cstddef>
+
 namespace limber::bake {
 
 // What one supernode takes from another. Rows are row numbers of the whole matrix.
 struct ProductsView {
   const double* from;  // [from_num_rows][from_width][lanes]
-  int from_width;
+  ptrdiff_t from_width;
   const int* from_rows;
-  int begin, end;  // rows of `from` that are columns of `to`; all from `begin` on are its rows
-  int from_num_rows;
+  ptrdiff_t begin,
+      end;  // rows of `from` that are columns of `to`; all from `begin` on are its rows
+  ptrdiff_t from_num_rows;
   const int* local;  // of a row number: its place among the rows of `to`
-  int to_first, to_width;
+  ptrdiff_t to_first, to_width;
   double* to;  // [..][to_width][lanes]
 };
 
@@ -21,12 +24,12 @@ void SubtractProducts(const ProductsView& view, int lanes);
 
 // L of a panel in place, its first `width` rows being the diagonal block. Where a lane's pivot is
 // not positive it becomes one, and definite[lane] false.
-void FactorPanel(double* panel, int num_rows, int width, int lanes, bool* definite);
+void FactorPanel(double* panel, ptrdiff_t num_rows, ptrdiff_t width, int lanes, bool* definite);
 
 struct PanelView {
   const double* values;  // [num_rows][width][lanes]
   const int* rows;
-  int num_rows, width;
+  ptrdiff_t num_rows, width;
 };
 
 // x: [n][lanes].
