@@ -183,7 +183,8 @@ Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec>
   *weights = weights->cast<float>().cast<double>();
 
   if (!clock.Begin("reach", 0.6, 0.65)) return cancelled;
-  tables.handle_reach = HandleReach(mesh, handle_vertices, static_cast<double>(tables.space.scale));
+  tables.handle_reach = HandleReach(mesh, handle_vertices, static_cast<double>(tables.space.scale),
+                                    options.num_threads);
 
   if (!clock.Begin("edge groups", 0.65, 0.7)) return cancelled;
   const int wanted =

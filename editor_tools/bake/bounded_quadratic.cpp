@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace limber::bake {
 namespace {
@@ -73,13 +74,17 @@ Iterate Moved(const Iterate& at, const Step& step, const ArrayXd& fractions) {
 class LaneSolver {
  public:
   LaneSolver(const Eigen::SparseMatrix<double>& Q, const LaneCholesky& cholesky, const MatrixXd& c,
-             std::vector<BoundedQuadraticReport>* reports)
+             MatrixXd* x, std::vector<BoundedQuadraticReport>* reports)
       : Q_(Q),
         cholesky_(cholesky),
+        x_(*x),
         reports_(*reports),
         num_lanes_(c.cols() <= LaneCholesky::kFew ? LaneCholesky::kFew : LaneCholesky::kMany) {
     const Index n = c.rows();
+    x_ = MatrixXd::Zero(n, c.cols());
+    reports_.assign(static_cast<size_t>(c.cols()), {});
     linear_ = ArrayXXd::Zero(num_lanes_, n);
+    problems_.fill(-1);
     for (Index lane = 0; lane < c.cols(); ++lane) {
       const double scale = n > 0 ? c.col(lane).lpNorm<Eigen::Infinity>() : 0;
       const auto l = static_cast<size_t>(lane);
@@ -88,6 +93,7 @@ class LaneSolver {
         reports_[l].converged = scale == 0;
         continue;
       }
+      problems_[l] = lane;
       scales_[l] = 1 / scale;
       linear_.row(lane) = c.col(lane).transpose().array() / scale;
     }
@@ -97,27 +103,53 @@ class LaneSolver {
     Begin();
     while (true) {
       UpdateGradients();
-      for (size_t lane = 0; lane < reports_.size(); ++lane) {
-        if (!is_active_[lane]) continue;
-        Judge(lane);
-        if (reports_[lane].converged || reports_[lane].iterations == kMaxIterations)
-          is_active_[lane] = false;
+      for (size_t lane = 0; lane < is_active_.size(); ++lane) {
+        if (is_active_[lane]) is_active_[lane] = !IsAtItsEnd(lane);
       }
-      if (!IsAnyActive() || !keep_going()) return;
+      const auto active = std::count(is_active_.begin(), is_active_.end(), true);
+      if (active == 0 || !keep_going()) break;
+      if (active <= LaneCholesky::kFew && num_lanes_ > LaneCholesky::kFew) GatherActive();
       TakeStep();
     }
-  }
-
-  // The more exact of x and 1 - t, inside [0, 1]; zero where nothing pulls.
-  Eigen::VectorXd Solution(Index lane) const {
-    if (scales_[static_cast<size_t>(lane)] == 0) return Eigen::VectorXd::Zero(at_.x.cols());
-    const auto x = at_.x.row(lane), t = at_.t.row(lane);
-    return (x < t).select(x, 1 - t).matrix().transpose();
+    for (Index lane = 0; lane < num_lanes_; ++lane)
+      StoreSolution(lane);
   }
 
  private:
-  bool IsAnyActive() const {
-    return std::find(is_active_.begin(), is_active_.end(), true) != is_active_.end();
+  BoundedQuadraticReport& report(size_t lane) {
+    return reports_[static_cast<size_t>(problems_[lane])];
+  }
+
+  // The more exact of x and 1 - t, inside [0, 1].
+  void StoreSolution(Index lane) {
+    const Index problem = problems_[static_cast<size_t>(lane)];
+    if (problem < 0) return;
+    const auto x = at_.x.row(lane), t = at_.t.row(lane);
+    x_.col(problem) = (x < t).select(x, 1 - t).matrix().transpose();
+  }
+
+  // Few are left: they move to the first lanes, and the others are no longer worked on.
+  void GatherActive() {
+    Index to = 0;
+    for (Index lane = 0; lane < num_lanes_; ++lane) {
+      const auto from = static_cast<size_t>(lane);
+      if (!is_active_[from]) {
+        StoreSolution(lane);
+        problems_[from] = -1;
+        continue;
+      }
+      const auto place = static_cast<size_t>(to);
+      for (ArrayXXd* rows : {&at_.x, &at_.t, &at_.z, &at_.v, &linear_})
+        rows->row(to) = rows->row(lane).eval();
+      std::swap(problems_[place], problems_[from]);
+      std::swap(is_active_[place], is_active_[from]);
+      std::swap(scales_[place], scales_[from]);
+      ++to;
+    }
+    num_lanes_ = LaneCholesky::kFew;
+    for (ArrayXXd* rows : {&at_.x, &at_.t, &at_.z, &at_.v, &linear_})
+      *rows = rows->topRows(num_lanes_).eval();
+    UpdateGradients();
   }
 
   // Where the problem without bounds has its optimum, brought inside them: near the middle of the
@@ -164,8 +196,9 @@ class LaneSolver {
     sizes_ = 0.5 * SumOfProducts(at_.x, Qx_) + SumOfProducts(linear_, at_.x).abs();
   }
 
-  void Judge(size_t lane) {
-    BoundedQuadraticReport& report = reports_[lane];
+  // Fills the lane's report.
+  bool IsAtItsEnd(size_t lane) {
+    BoundedQuadraticReport& report = this->report(lane);
     const auto row = static_cast<Index>(lane);
     const auto x = at_.x.row(row);
     report.gap = complementarity_(row) / sizes_(row);
@@ -173,6 +206,7 @@ class LaneSolver {
     report.converged = report.gap <= kGapTolerance &&
                        dual_residual_.row(row).abs().maxCoeff() <= kDualTolerance &&
                        report.stationarity <= kStationarityTolerance;
+    return report.converged || report.iterations == kMaxIterations;
   }
 
   // The Newton step towards x z = lower and t v = upper (elementwise), by elimination of the
@@ -190,8 +224,9 @@ class LaneSolver {
 
   // Lanes at rest are worked on along with the others, to no effect.
   void TakeStep() {
-    for (size_t lane = 0; lane < reports_.size(); ++lane)
-      reports_[lane].iterations += is_active_[lane] ? 1 : 0;
+    for (size_t lane = 0; lane < is_active_.size(); ++lane) {
+      if (is_active_[lane]) ++report(lane).iterations;
+    }
     Factorise(at_.z / at_.x + at_.v / at_.t);
     const ArrayXXd zero = ArrayXXd::Zero(num_lanes_, at_.x.cols());
     const Step affine = SolveStep(zero, zero);
@@ -224,9 +259,11 @@ class LaneSolver {
 
   const Eigen::SparseMatrix<double>& Q_;
   const LaneCholesky& cholesky_;
+  MatrixXd& x_;
   std::vector<BoundedQuadraticReport>& reports_;
   int num_lanes_;
-  std::array<double, LaneCholesky::kMany> scales_ = {};  // of Q; zero where nothing pulls
+  std::array<Index, LaneCholesky::kMany> problems_ = {};  // column of c in each lane, -1 for none
+  std::array<double, LaneCholesky::kMany> scales_ = {};   // of Q; zero where nothing pulls
   std::array<bool, LaneCholesky::kMany> is_active_ = {};
   ArrayXXd linear_;  // c
   Iterate at_;
@@ -241,12 +278,7 @@ BoundedQuadratic::BoundedQuadratic(const Eigen::SparseMatrix<double>& Q) : Q_(Q)
 
 void BoundedQuadratic::Solve(const MatrixXd& c, const std::function<bool()>& keep_going,
                              MatrixXd* x, std::vector<BoundedQuadraticReport>* reports) const {
-  reports->assign(static_cast<size_t>(c.cols()), {});
-  LaneSolver solver(Q_, cholesky_, c, reports);
-  solver.Run(keep_going);
-  x->resize(c.rows(), c.cols());
-  for (Index column = 0; column < c.cols(); ++column)
-    x->col(column) = solver.Solution(column);
+  LaneSolver(Q_, cholesky_, c, x, reports).Run(keep_going);
 }
 
 }  // namespace limber::bake

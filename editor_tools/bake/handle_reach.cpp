@@ -1,5 +1,6 @@
 #include "bake/handle_reach.h"
 
+#include "bake/parallel_for.h"
 #include "geometry/geodesic.h"
 
 #include <algorithm>
@@ -20,13 +21,16 @@ float RoundedUp(double x) {
 }  // namespace
 
 std::vector<float> HandleReach(const geometry::SolveMesh& mesh,
-                               std::span<const int> handle_vertices, double scale) {
+                               std::span<const int> handle_vertices, double scale,
+                               int num_threads) {
   const size_t num_handles = handle_vertices.size();
   std::vector<float> reach(num_handles * num_handles, 0.0f);
   for (int s = 0; s < mesh.num_shapes(); ++s) {
     const geometry::PointMatrix& points = mesh.shapes[s];
     const geometry::SurfaceDistance surface(mesh, s);
-    for (size_t a = 0; a + 1 < num_handles; ++a) {
+    // Each round writes its own entries: those of the pairs whose first handle it is.
+    ParallelFor(static_cast<int>(num_handles) - 1, num_threads, [&](int round) {
+      const auto a = static_cast<size_t>(round);
       const Eigen::VectorXd distance = surface.From(handle_vertices[a]);
       for (size_t b = a + 1; b < num_handles; ++b) {
         const double over = distance(handle_vertices[b]);
@@ -39,7 +43,7 @@ std::vector<float> HandleReach(const geometry::SolveMesh& mesh,
         entry = std::max(entry, RoundedUp(std::max(over, straight) / scale));
         reach[b * num_handles + a] = entry;
       }
-    }
+    });
   }
   return reach;
 }

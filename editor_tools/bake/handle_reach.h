@@ -12,7 +12,8 @@ namespace limber::bake {
 // length of the shortest path over the surface between their vertices (geometry/geodesic.h), the
 // largest over the shapes; zero on the diagonal and where no path leads. Never less than the
 // straight distance between the two in any shape. handle_vertices: H solve vertices.
+// num_threads <= 0: one per core; the result has the same bits for any number.
 std::vector<float> HandleReach(const geometry::SolveMesh& mesh,
-                               std::span<const int> handle_vertices, double scale);
+                               std::span<const int> handle_vertices, double scale, int num_threads);
 
 }  // namespace limber::bake

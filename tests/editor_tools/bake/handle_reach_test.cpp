@@ -39,17 +39,25 @@ geometry::SolveMesh MakeStrip() {
 TEST(HandleReach, IsTheLongestOfTheExamplesShortestWays) {
   geometry::SolveMesh mesh = MakeStrip();
   const std::array<int, 3> handles = {0, 16, 18};  // the strip's ends, the triangle far away
-  const std::vector<float> all = HandleReach(mesh, handles, 1);
+  const std::vector<float> all = HandleReach(mesh, handles, 1, 1);
   EXPECT_NEAR(all[1], 16, 1e-5);  // in the longer shape
   EXPECT_EQ(all[3], all[1]);
   for (const size_t diagonal : {0, 4, 8})
     EXPECT_EQ(all[diagonal], 0);
   for (const size_t unreached : {2, 5, 6, 7})
     EXPECT_EQ(all[unreached], 0);
-  EXPECT_NEAR(HandleReach(mesh, handles, 4)[1], 4, 1e-5) << "in units of the scale";
+  EXPECT_NEAR(HandleReach(mesh, handles, 4, 1)[1], 4, 1e-5) << "in units of the scale";
   // Folded the ends are 5.7 apart, the way over the skin stays 8.
   mesh.shapes = {mesh.shapes[1]};
-  EXPECT_NEAR(HandleReach(mesh, handles, 1)[1], 8, 1e-5);
+  EXPECT_NEAR(HandleReach(mesh, handles, 1, 1)[1], 8, 1e-5);
+}
+
+TEST(HandleReach, NumberOfThreads_ChangesNoBit) {
+  const geometry::SolveMesh mesh = MakeStrip();
+  const std::array<int, 7> handles = {0, 3, 6, 9, 12, 16, 18};
+  const std::vector<float> alone = HandleReach(mesh, handles, 1.7, 1);
+  for (const int threads : {0, 2, 5, 16})
+    EXPECT_EQ(HandleReach(mesh, handles, 1.7, threads), alone) << threads;
 }
 
 }  // namespace
