@@ -166,6 +166,7 @@ double* LaneCholesky::Row(const Supernode& supernode, int row, int lanes,
 void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, const double* scales,
                          const double* diagonal, int lanes, std::vector<double>* values) const {
   const auto step = static_cast<size_t>(lanes);
+  std::fill(Row(to, 0, lanes, values), Row(to, to.num_rows, lanes, values), 0.0);
   for (int column = 0; column < to.width; ++column) {
     const auto offset = static_cast<size_t>(column),
                global = static_cast<size_t>(to.first) + offset;
@@ -184,7 +185,7 @@ void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, con
 void LaneCholesky::Factorise(const double* scales, const double* diagonal, int lanes,
                              std::vector<double>* values, bool* definite) const {
   const auto n = static_cast<size_t>(size()), step = static_cast<size_t>(lanes);
-  values->assign(num_values_ * step, 0.0);
+  values->resize(num_values_ * step);
   std::fill_n(definite, step, true);
   std::vector<double> permuted(n * step);
   for (size_t old = 0; old < n; ++old)

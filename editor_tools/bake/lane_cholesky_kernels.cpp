@@ -126,28 +126,46 @@ LIMBER_INLINE void SolveForwardOf(const PanelView& panel, double* x) {
   }
 }
 
+// x[k] -= sum over kRows rows from `row` on of L[row][k] x[row], for the first `count` columns k.
+template <int kParts, int kRows>
+LIMBER_INLINE void TakeRows(const PanelView& panel, ptrdiff_t row, ptrdiff_t count, double* x) {
+  constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
+  const ptrdiff_t stride = panel.width * kLanes;
+  const double* values = panel.values + row * stride;
+  Lanes<kParts> numbers[kRows];
+  for (int r = 0; r < kRows; ++r)
+    Load(x + panel.rows[row + r] * kLanes, &numbers[r]);
+  double* to = x + panel.rows[0] * kLanes;
+  for (ptrdiff_t k = 0; k < count * kLanes; k += kLanes) {
+    Lanes<kParts> sum;
+    Load(to + k, &sum);
+    for (int r = 0; r < kRows; ++r) {
+      Lanes<kParts> value;
+      Load(values + r * stride + k, &value);
+      for (int p = 0; p < kParts; ++p)
+        sum.part[p] -= value.part[p] * numbers[r].part[p];
+    }
+    Store(sum, to + k);
+  }
+}
+
 template <int kParts>
 LIMBER_INLINE void SolveBackwardOf(const PanelView& panel, double* x) {
   constexpr ptrdiff_t kLanes = ptrdiff_t{4} * kParts;
-  double* top = x + panel.rows[0] * kLanes;
-  for (ptrdiff_t row = panel.num_rows - 1; row >= 0; --row) {
-    const double* values = panel.values + row * panel.width * kLanes;
-    double* from = x + panel.rows[row] * kLanes;
-    if (row < panel.width) {
-      Lanes<kParts> number, divisor;
-      Load(from, &number);
-      Load(values + row * kLanes, &divisor);
-      for (int p = 0; p < kParts; ++p)
-        number.part[p] /= divisor.part[p];
-      Store(number, from);
-    }
-    const ptrdiff_t count = row < panel.width ? row : panel.width;
-    for (ptrdiff_t k = 0; k < count; ++k) {
-      Lanes<kParts> sum;
-      Load(top + k * kLanes, &sum);
-      SubtractProduct(values + k * kLanes, from, &sum);
-      Store(sum, top + k * kLanes);
-    }
+  ptrdiff_t row = panel.num_rows;
+  for (; row - 4 >= panel.width; row -= 4)
+    TakeRows<kParts, 4>(panel, row - 4, panel.width, x);
+  for (; row > panel.width; --row)
+    TakeRows<kParts, 1>(panel, row - 1, panel.width, x);
+  while (row-- > 0) {
+    double* number = x + panel.rows[row] * kLanes;
+    Lanes<kParts> value, divisor;
+    Load(number, &value);
+    Load(panel.values + (row * panel.width + row) * kLanes, &divisor);
+    for (int p = 0; p < kParts; ++p)
+      value.part[p] /= divisor.part[p];
+    Store(value, number);
+    TakeRows<kParts, 1>(panel, row, row, x);
   }
 }
 

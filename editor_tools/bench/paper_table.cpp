@@ -4,6 +4,7 @@
 #include "import/import_gltf.h"
 #include "import/pack_obj.h"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <vector>
@@ -26,7 +27,8 @@ constexpr PaperRow kTable[] = {
 };
 
 // The rest shape first.
-constexpr std::array kHorse = {"horse/horse_ref.obj", "horse/horse-01.obj", "horse/horse-02.obj"};
+constexpr std::array kHorse = {"horse/horse_ref.obj", "horse/horse-01.obj", "horse/horse-02.obj",
+                               "horse/horse-03.obj"};
 constexpr std::array kLion = {"characters/lion-poses.glb"};
 constexpr std::array kHead = {"characters/head-poses.glb"};
 
@@ -63,9 +65,10 @@ Result<bake::RawCharacter> ReadObjs(std::span<const char* const> files, const fs
 
 Result<bake::RawCharacter> ReadFiles(const PaperRow& row, const fs::path& data) {
   const auto files = FilesOf(row.name);
-  auto raw = files.size() > 1 ? ReadObjs(files, data) : bake::ImportGltf(data / files[0]);
-  if (!raw.ok()) return raw;
   const auto wanted = static_cast<size_t>(row.shapes);
+  auto raw = files.size() > 1 ? ReadObjs(files.first(std::min(wanted, files.size())), data)
+                              : bake::ImportGltf(data / files[0]);
+  if (!raw.ok()) return raw;
   if (raw->shapes.size() < wanted) {
     return Error(StatusCode::kNoExamples, "%s: %zu shapes; the paper's %s has %zu",
                  (data / files[0]).c_str(), raw->shapes.size(), row.name, wanted);

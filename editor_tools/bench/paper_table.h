@@ -30,7 +30,7 @@ struct PaperCharacter {
 };
 
 // The row's own mesh with as many of its shapes, where the data folder has it (horse/horse_ref.obj
-// and its first two poses, characters/lion-poses.glb, characters/head-poses.glb); else, and without
+// and its first poses, characters/lion-poses.glb, characters/head-poses.glb); else, and without
 // a folder (empty), one made in code of the same k, |S| and |H| and nearly the same |P|. Errors of
 // the files that are there: those of import.
 Result<PaperCharacter> CharacterOf(const PaperRow& row, const std::filesystem::path& data);

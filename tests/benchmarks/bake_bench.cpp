@@ -1,14 +1,21 @@
 // What the artist waits for: the skinning weights, and the whole bake.
+#include "bake/bake.h"
+#include "bake/resolve_handles.h"
 #include "bake/skinning_weights.h"
+#include "bench/paper_table.h"
 #include "benchmarks/bench_character.h"
 #include "geometry/bridges.h"
 #include "geometry/cotangent.h"
 #include "geometry/weld.h"
+#include "support/temporary_folder.h"
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace limber::bench {
 namespace {
@@ -18,35 +25,73 @@ struct WeightsProblem {
   std::vector<int> handle_vertices;
 };
 
-WeightsProblem MakeProblem(const bake::RawCharacter& raw) {
-  WeightsProblem problem;
-  problem.mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 0);
-  geometry::ConnectComponents(&problem.mesh);
-  for (const bake::HandleSpec& spec : raw.marked_handles) {
-    problem.handle_vertices.push_back(
-        static_cast<int>(problem.mesh.solve_vertex[*spec.source_vertex]));
+// A character and the handles that it is baked with.
+struct BakeSubject {
+  bake::RawCharacter raw;
+  std::vector<bake::HandleSpec> handles;
+};
+
+BakeSubject Made(const CharacterSize& size) {
+  BakeSubject subject;
+  subject.raw = MakeRawCharacter(size);
+  subject.handles = subject.raw.marked_handles;
+  return subject;
+}
+
+geometry::SolveMesh SolveMeshOf(const bake::RawCharacter& raw) {
+  geometry::SolveMesh mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 0);
+  geometry::ConnectComponents(&mesh);
+  return mesh;
+}
+
+// The paper's horse in four shapes with ten handles chosen for it; false where the data folder is
+// absent, which the benchmark then says.
+bool MakeHorse(benchmark::State& state, BakeSubject* subject) {
+  const auto rows = PaperTable();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const PaperRow& r) { return std::string(r.name) == "horse"; });
+  PaperRow horse = *row;
+  horse.shapes = 4;
+  auto character = CharacterOf(horse, test::SharedDataFolder());
+  ExitUnless(character.status());
+  if (!character->is_the_papers) {
+    state.SkipWithError("skipped: horse/horse_ref.obj is absent (LIMBER_DATA_DIR)");
+    return false;
   }
+  subject->raw = std::move(character->raw);
+  subject->handles = bake::ChooseHandles(subject->raw, SolveMeshOf(subject->raw), horse.handles);
+  return true;
+}
+
+WeightsProblem MakeProblem(const BakeSubject& subject) {
+  WeightsProblem problem;
+  problem.mesh = SolveMeshOf(subject.raw);
+  auto resolved = bake::ResolveHandles(subject.raw, problem.mesh, subject.handles);
+  ExitUnless(resolved.status());
+  for (const bake::ResolvedHandle& handle : *resolved)
+    problem.handle_vertices.push_back(handle.vertex);
   return problem;
 }
 
-// Bounded biharmonic weights on one thread.
-void Weights(benchmark::State& state) {
-  const WeightsProblem problem = MakeProblem(MakeRawCharacter({4000, 6, 1}));
+// Bounded biharmonic weights; num_threads as BoundedBiharmonicWeights has it.
+void Weights(benchmark::State& state, const BakeSubject& subject, int num_threads) {
+  const WeightsProblem problem = MakeProblem(subject);
+  bake::WeightsReport report;
   while (state.KeepRunning()) {
-    bake::WeightsReport report;
-    const auto weights =
-        bake::BoundedBiharmonicWeights(problem.mesh, problem.handle_vertices, 1, {}, &report);
+    const auto weights = bake::BoundedBiharmonicWeights(problem.mesh, problem.handle_vertices,
+                                                        num_threads, {}, &report);
     ExitUnless(weights.status());
     benchmark::DoNotOptimize(weights->data());
   }
   state.counters["vertices"] = problem.mesh.num_vertices();
+  state.counters["stationarity"] = report.stationarity;
 }
 
 // Biharmonic weights without the bounds: the form, one factorisation and a solve for each handle.
 // One step of any method that respects the bounds costs about as much.
-void WeightsUnbounded(benchmark::State& state) {
+void WeightsUnbounded(benchmark::State& state, const BakeSubject& subject) {
   using Matrix = Eigen::SparseMatrix<double>;
-  const WeightsProblem problem = MakeProblem(MakeRawCharacter({4000, 6, 1}));
+  const WeightsProblem problem = MakeProblem(subject);
   const Eigen::Index num_vertices = problem.mesh.num_vertices();
   const auto num_handles = static_cast<Eigen::Index>(problem.handle_vertices.size());
   std::vector<Eigen::Triplet<double>> kept;
@@ -78,28 +123,57 @@ void WeightsUnbounded(benchmark::State& state) {
 }
 
 // From the imported mesh to the tables in memory, on all cores.
-void WholeBake(benchmark::State& state) {
-  const bake::RawCharacter raw = MakeRawCharacter({4000, 6, 4});
+void WholeBake(benchmark::State& state, const BakeSubject& subject) {
+  std::vector<bake::BakeTiming> timings;
   while (state.KeepRunning()) {
-    const auto baked = bake::Bake(raw, raw.marked_handles, {}, {});
+    const auto baked = bake::Bake(subject.raw, subject.handles, {}, {});
     ExitUnless(baked.status());
+    timings = baked->timings;
     benchmark::DoNotOptimize(baked->tables.mode_edges.data());
   }
-  state.counters["vertices"] = raw.num_draw_vertices();
+  for (const bake::BakeTiming& timing : timings)
+    state.counters[timing.stage] = timing.seconds;
+  state.counters["vertices"] = subject.raw.num_draw_vertices();
 }
 
-// The work runs on threads of the bake's own: time is counted for the whole process.
-BENCHMARK(Weights)
-    ->Name("weights/4k_6")
-    ->Unit(benchmark::kMillisecond)
-    ->MeasureProcessCPUTime()
-    ->UseRealTime();
-BENCHMARK(WeightsUnbounded)->Name("weights_unbounded/4k_6")->Unit(benchmark::kMillisecond);
-BENCHMARK(WholeBake)
-    ->Name("bake/4k_6x4")
-    ->Unit(benchmark::kMillisecond)
-    ->MeasureProcessCPUTime()
-    ->UseRealTime();
+// What is measured of a subject that is made when its turn comes; time is counted for the whole
+// process, since the work runs on threads of the bake's own.
+template <class Make, class Measure>
+void Register(const char* name, const Make& make, const Measure& measure) {
+  benchmark::RegisterBenchmark(name,
+                               [=](benchmark::State& state) {
+                                 BakeSubject subject;
+                                 if (make(state, &subject)) measure(state, subject);
+                               })
+      ->Unit(benchmark::kMillisecond)
+      ->MeasureProcessCPUTime()
+      ->UseRealTime();
+}
+
+auto MakeOf(const CharacterSize& size) {
+  return [size](benchmark::State&, BakeSubject* subject) {
+    *subject = Made(size);
+    return true;
+  };
+}
+
+const bool kRegistered = [] {
+  const auto weights_alone = [](benchmark::State& state, const BakeSubject& subject) {
+    Weights(state, subject, 1);
+  };
+  const auto weights = [](benchmark::State& state, const BakeSubject& subject) {
+    Weights(state, subject, 0);
+  };
+  Register("weights/4k_6", MakeOf({4000, 6, 1}), weights_alone);
+  Register("weights_unbounded/4k_6", MakeOf({4000, 6, 1}), WeightsUnbounded);
+  Register("weights/horse_10", MakeHorse, weights);
+  Register("weights_unbounded/horse_10", MakeHorse, WeightsUnbounded);
+  Register("bake/4k_6x4", MakeOf({4000, 6, 4}), WholeBake);
+  Register("bake/horse_10", MakeHorse, WholeBake);
+  Register("bake/24k_9x6", MakeOf({24000, 9, 6}), WholeBake);
+  Register("bake/100k_16x8", MakeOf({100000, 16, 8}), WholeBake);
+  return true;
+}();
 
 }  // namespace
 }  // namespace limber::bench
