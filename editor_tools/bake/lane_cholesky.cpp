@@ -1,6 +1,7 @@
 #include "bake/lane_cholesky.h"
 
 #include "bake/lane_cholesky_kernels.h"
+#include "bake/nested_dissection.h"
 
 #include <Eigen/OrderingMethods>
 
@@ -92,21 +93,52 @@ std::vector<std::vector<int>> Patterns(const SparseMatrix<double>& Q,
   return patterns;
 }
 
-}  // namespace
+std::vector<int> MinimumDegree(const SparseMatrix<double>& Q) {
+  Permutation order;
+  Eigen::AMDOrdering<int>()(Q, order);
+  const Permutation inverse = order.inverse();
+  return {inverse.indices().data(), inverse.indices().data() + Q.cols()};
+}
 
-LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q) {
-  Permutation minimum_degree;
-  Eigen::AMDOrdering<int>()(Q, minimum_degree);
-  const Permutation inverse = minimum_degree.inverse();
-  new_of_old_.assign(inverse.indices().data(), inverse.indices().data() + Q.cols());
-  const std::vector<int> order = PostOrder(EliminationTree(Permuted(Q, new_of_old_)));
+// An order of elimination with its tree and the patterns of L, and the multiplications that a
+// factorisation takes.
+struct Analysis {
+  std::vector<int> new_of_old;
+  SparseMatrix<double> permuted;
+  std::vector<int> parents;
+  std::vector<std::vector<int>> patterns;
+  double work = 0;
+};
+
+Analysis Analyse(const SparseMatrix<double>& Q, std::vector<int> new_of_old) {
+  Analysis analysis;
+  const std::vector<int> order = PostOrder(EliminationTree(Permuted(Q, new_of_old)));
   std::vector<int> place(order.size());
   for (size_t i = 0; i < order.size(); ++i)
     place[static_cast<size_t>(order[i])] = static_cast<int>(i);
-  for (int& number : new_of_old_)
+  for (int& number : new_of_old)
     number = place[static_cast<size_t>(number)];
+  analysis.permuted = Permuted(Q, new_of_old);
+  analysis.new_of_old = std::move(new_of_old);
+  analysis.parents = EliminationTree(analysis.permuted);
+  analysis.patterns = Patterns(analysis.permuted, analysis.parents);
+  for (const std::vector<int>& pattern : analysis.patterns) {
+    const auto size = static_cast<double>(pattern.size());
+    analysis.work += 0.5 * size * size;
+  }
+  return analysis;
+}
 
-  const SparseMatrix<double> permuted = Permuted(Q, new_of_old_);
+}  // namespace
+
+// Minimum degree is the better order of small and ragged meshes, nested dissection of large and
+// regular ones; both are tried.
+LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q) {
+  Analysis analysis = Analyse(Q, MinimumDegree(Q));
+  Analysis other = Analyse(Q, NestedDissection(Q));
+  if (other.work < analysis.work) std::swap(analysis, other);
+  new_of_old_ = std::move(analysis.new_of_old);
+  const SparseMatrix<double>& permuted = analysis.permuted;
   entries_begin_.assign(1, 0);
   for (int column = 0; column < permuted.cols(); ++column) {
     for (SparseMatrix<double>::InnerIterator it(permuted, column); it; ++it) {
@@ -114,8 +146,7 @@ LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q) {
     }
     entries_begin_.push_back(entries_.size());
   }
-  const std::vector<int> parents = EliminationTree(permuted);
-  FindSupernodes(parents, Patterns(permuted, parents));
+  FindSupernodes(analysis.parents, std::move(analysis.patterns));
 }
 
 // Columns that follow each other up the tree are one supernode where they have one pattern, or

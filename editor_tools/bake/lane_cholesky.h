@@ -2,9 +2,9 @@
 // a sparse factorisation spends on finding its numbers is spent once for all of them, and the
 // numbers lie side by side.
 //
-// Left-looking over supernodes (columns of L with one pattern; small ones are merged), minimum
-// degree order. Lanes never meet: a lane's bits do not depend on the others, nor on how many there
-// are.
+// Left-looking over supernodes (columns of L with one pattern; small ones are merged), in the
+// better of two orders. Lanes never meet: a lane's bits do not depend on the others, nor on how
+// many there are.
 #pragma once
 
 #include <Eigen/Core>
