@@ -31,9 +31,9 @@ class Dissection {
     std::vector<Part> parts;
     parts.push_back(std::move(whole));
     while (!parts.empty()) {
-      Part part = std::move(parts.back());
+      const Part part = std::move(parts.back());
       parts.pop_back();
-      Split(std::move(part), &parts);
+      Split(part, &parts);
     }
     return places_;
   }
@@ -74,12 +74,12 @@ class Dissection {
       part_[static_cast<size_t>(column)] = last_mark_;
   }
 
-  void Split(Part part, std::vector<Part>* parts) {
+  void Split(const Part& part, std::vector<Part>* parts) {
     if (part.columns.size() <= kSmallPart) return PlaceByDegree(part);
     Mark(part.columns);
     std::vector<int> reached;
     Search(part.columns[0], last_mark_, &reached);
-    if (reached.size() < part.columns.size()) return SplitOff(reached, std::move(part), parts);
+    if (reached.size() < part.columns.size()) return SplitOff(std::move(reached), part, parts);
     // From the farthest column, twice: from one end to the other.
     std::vector<size_t> levels;
     for (int again = 0; again < 2; ++again)
@@ -90,7 +90,7 @@ class Dissection {
   }
 
   // What the search did not reach is a part by itself.
-  void SplitOff(std::vector<int> reached, Part part, std::vector<Part>* parts) {
+  void SplitOff(std::vector<int> reached, const Part& part, std::vector<Part>* parts) {
     Part rest;
     for (const int column : part.columns) {
       if (part_[static_cast<size_t>(column)] != last_mark_) rest.columns.push_back(column);

@@ -136,8 +136,7 @@ Status ApplyFrame(const PoseFrame& frame, PoseState* state) {
       LIMBER_RETURN_IF_ERROR(*input.pinned ? state->Pin(handle) : state->Unpin(handle));
     if (input.stiffness.has_value())
       LIMBER_RETURN_IF_ERROR(state->SetStiffness(handle, *input.stiffness));
-    if (input.weight.has_value())
-      LIMBER_RETURN_IF_ERROR(state->SetWeight(handle, *input.weight));
+    if (input.weight.has_value()) LIMBER_RETURN_IF_ERROR(state->SetWeight(handle, *input.weight));
     if (input.target.has_value()) LIMBER_RETURN_IF_ERROR(state->SetTarget(handle, *input.target));
     if (input.rotation.has_value())
       LIMBER_RETURN_IF_ERROR(state->SetRotation(handle, *input.rotation));

@@ -30,9 +30,9 @@ struct HandleInput {
   bool clears_rotation = false;
 };
 
-// In the order in which they take effect: pins, stiffnesses, weights, targets, rotations. A handle that a
-// frame does not mention stays as it was. Whether the names exist is checked later, against the
-// rig.
+// In the order in which they take effect: pins, stiffnesses, weights, targets, rotations. A handle
+// that a frame does not mention stays as it was. Whether the names exist is checked later, against
+// the rig.
 using FrameInput = std::vector<HandleInput>;
 
 // Errors, naming file, frame and handle: kNotFound, kIoError, kMalformed (not JSON, unknown

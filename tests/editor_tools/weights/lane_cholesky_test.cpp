@@ -1,6 +1,8 @@
 // Many factors of one pattern at once, against Eigen's one after the other.
 #include "bake/lane_cholesky.h"
 
+#include "bake/nested_dissection.h"
+
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
@@ -125,6 +127,53 @@ TEST(LaneCholesky, NotDefinite_OnlyThatLaneSaysSo) {
   cholesky.Factorise(problem.scales.data(), problem.diagonal.data(), 4, &values, definite.data());
   EXPECT_TRUE(definite[0] && definite[1] && definite[3]);
   EXPECT_FALSE(definite[2]);
+}
+
+void ExpectPermutation(const std::vector<int>& places, int size) {
+  std::vector<int> sorted = places;
+  std::sort(sorted.begin(), sorted.end());
+  ASSERT_EQ(sorted.size(), size_t(size));
+  for (int i = 0; i < size; ++i)
+    ASSERT_EQ(sorted[size_t(i)], i);
+}
+
+TEST(NestedDissection, EveryColumnHasAPlace) {
+  for (const int side : {1, 5, 20, 70})
+    ExpectPermutation(NestedDissection(GridBiharmonic(side)), side * side);
+  for (const int size : {0, 1, 300, 2000})
+    ExpectPermutation(NestedDissection(RandomMatrix(size, 3, 1)), size);
+  SparseMatrix<double> unconnected(700, 700);
+  unconnected.setIdentity();
+  ExpectPermutation(NestedDissection(unconnected), 700);
+  ExpectPermutation(NestedDissection(RandomMatrix(400, 200, 2)), 400);
+}
+
+// The last columns separate: without them, no column of the first half touches the rest.
+TEST(NestedDissection, LastOfAll_IsANarrowSeparator) {
+  constexpr int kSide = 60, kCount = kSide * kSide;
+  const SparseMatrix<double> Q = GridBiharmonic(kSide);
+  const std::vector<int> places = NestedDissection(Q);
+  // Parts that the columns before the separator fall into.
+  const int cut = kCount - 3 * kSide;
+  std::vector<int> part(kCount, -1);
+  int parts = 0, largest = 0;
+  for (int seed = 0; seed < kCount; ++seed) {
+    if (places[size_t(seed)] >= cut || part[size_t(seed)] >= 0) continue;
+    std::vector<int> reached = {seed};
+    part[size_t(seed)] = parts;
+    for (size_t i = 0; i < reached.size(); ++i) {
+      for (SparseMatrix<double>::InnerIterator it(Q, reached[i]); it; ++it) {
+        const auto row = size_t(it.row());
+        if (places[row] >= cut || part[row] >= 0) continue;
+        part[row] = parts;
+        reached.push_back(int(row));
+      }
+    }
+    ++parts;
+    largest = std::max(largest, int(reached.size()));
+  }
+  EXPECT_GE(parts, 2);
+  EXPECT_LT(largest, 0.7 * kCount);
 }
 
 // The pattern is that of a good order: far from full.
