@@ -19,7 +19,8 @@ constexpr int kMaxLloydIterations = 100;
 // the first of the rows. Stops early when every row coincides with a centre.
 Eigen::MatrixXd SeedCentres(const Eigen::MatrixXd& rows, int wanted) {
   Eigen::MatrixXd centres(wanted, rows.cols());
-  Eigen::VectorXd spacing = (rows.rowwise() - rows.colwise().mean()).rowwise().squaredNorm();
+  const Eigen::RowVectorXd mean = rows.colwise().mean();
+  Eigen::VectorXd spacing = (rows.rowwise() - mean).rowwise().squaredNorm();
   int count = 0;
   for (; count < wanted; ++count) {
     Eigen::Index farthest = 0;
@@ -31,37 +32,42 @@ Eigen::MatrixXd SeedCentres(const Eigen::MatrixXd& rows, int wanted) {
   return centres.topRows(count);
 }
 
-// Nearest centre of each row, the first of equals. Returns whether any row changed its group.
-bool Assign(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& centres, std::vector<int>* group) {
+// Nearest centre of each point, the first of equals; points and centres are columns. Returns
+// whether any point changed its group.
+bool Assign(const Eigen::MatrixXd& points, const Eigen::MatrixXd& centres,
+            std::vector<int>* group) {
   bool changed = false;
-  Eigen::VectorXd best =
-      Eigen::VectorXd::Constant(rows.rows(), std::numeric_limits<double>::infinity());
-  std::vector<int> nearest(group->size(), 0);
-  for (int c = 0; c < centres.rows(); ++c) {
-    const Eigen::VectorXd distance = (rows.rowwise() - centres.row(c)).rowwise().squaredNorm();
-    for (Eigen::Index v = 0; v < rows.rows(); ++v) {
-      if (distance(v) < best(v)) {
-        best(v) = distance(v);
-        nearest[v] = c;
+  for (Eigen::Index v = 0; v < points.cols(); ++v) {
+    const double* point = points.col(v).data();
+    double best = std::numeric_limits<double>::infinity();
+    int nearest = 0;
+    for (int c = 0; c < centres.cols(); ++c) {
+      const double* centre = centres.col(c).data();
+      double distance = 0;
+      for (Eigen::Index i = 0; i < points.rows() && distance < best; ++i)
+        distance += (point[i] - centre[i]) * (point[i] - centre[i]);
+      if (distance < best) {
+        best = distance;
+        nearest = c;
       }
     }
+    changed = changed || (*group)[static_cast<size_t>(v)] != nearest;
+    (*group)[static_cast<size_t>(v)] = nearest;
   }
-  changed = nearest != *group;
-  *group = std::move(nearest);
   return changed;
 }
 
-// Means of the groups; groups without a row keep their centre.
-void MoveCentres(const Eigen::MatrixXd& rows, const std::vector<int>& group,
+// Means of the groups; groups without a point keep their centre.
+void MoveCentres(const Eigen::MatrixXd& points, const std::vector<int>& group,
                  Eigen::MatrixXd* centres) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(centres->rows(), centres->cols());
-  Eigen::VectorXd counts = Eigen::VectorXd::Zero(centres->rows());
-  for (Eigen::Index v = 0; v < rows.rows(); ++v) {
-    sums.row(group[v]) += rows.row(v);
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(centres->cols());
+  for (Eigen::Index v = 0; v < points.cols(); ++v) {
+    sums.col(group[v]) += points.col(v);
     counts(group[v]) += 1;
   }
-  for (Eigen::Index c = 0; c < centres->rows(); ++c) {
-    if (counts(c) > 0) centres->row(c) = sums.row(c) / counts(c);
+  for (Eigen::Index c = 0; c < centres->cols(); ++c) {
+    if (counts(c) > 0) centres->col(c) = sums.col(c) / counts(c);
   }
 }
 
@@ -107,13 +113,14 @@ std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int
   *num_groups = weights.rows() > 0 ? 1 : 0;
   if (weights.rows() == 0 || wanted <= 1) return group;
   wanted = static_cast<int>(std::min<Eigen::Index>(wanted, weights.rows()));
-  Eigen::MatrixXd centres = SeedCentres(weights, wanted);
+  const Eigen::MatrixXd points = weights.transpose();  // each in one piece
+  Eigen::MatrixXd centres = SeedCentres(weights, wanted).transpose();
   for (int iteration = 0; iteration < kMaxLloydIterations; ++iteration) {
-    const bool changed = Assign(weights, centres, &group);
+    const bool changed = Assign(points, centres, &group);
     if (!changed && iteration > 0) break;
-    MoveCentres(weights, group, &centres);
+    MoveCentres(points, group, &centres);
   }
-  *num_groups = CompactGroups(&group, static_cast<int>(centres.rows()));
+  *num_groups = CompactGroups(&group, static_cast<int>(centres.cols()));
   return group;
 }
 
