@@ -6,7 +6,6 @@
 #include <Eigen/OrderingMethods>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace limber::bake {

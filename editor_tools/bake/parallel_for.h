@@ -29,12 +29,12 @@ void ParallelFor(int count, int num_threads, const Body& body) {
       next = count;
     }
   };
-  std::vector<std::thread> others;
-  for (int i = 1; i < std::min(num_threads, count); ++i)
-    others.emplace_back(work);
-  work();
-  for (std::thread& other : others)
-    other.join();
+  {
+    std::vector<std::jthread> others;  // joined whatever happens, a thread that cannot start too
+    for (int i = 1; i < std::min(num_threads, count); ++i)
+      others.emplace_back(work);
+    work();
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

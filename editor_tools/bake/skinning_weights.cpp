@@ -131,6 +131,7 @@ class HandleSolver {
 
   Status Run(int num_threads, const ProgressCallback& progress) {
     const int handles = static_cast<int>(c_.cols());
+    num_threads = std::min(num_threads, handles);
     // As few rounds as can be, and the handles spread evenly over them.
     const int rounds = DivideUp(handles, num_threads * BoundedQuadratic::kMostAtOnce);
     batch_size_ = DivideUp(handles, rounds * num_threads);

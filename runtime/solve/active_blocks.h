@@ -3,6 +3,7 @@
 
 #include "core/aligned_vector.h"
 #include "solve/kernels/solve_kernels.h"
+#include "solve/pose_model.h"
 
 #include <cstddef>
 #include <vector>
@@ -17,10 +18,10 @@ class ActiveBlocks {
     blocks_.reserve(static_cast<size_t>(num_blocks));
   }
 
-  // blend: B; rotations: R, planes.
+  // blend: B, padded with zeros; rotations: R, planes.
   void Collect(const AlignedVector<double>& blend, const AlignedVector<double>& rotations) {
     blocks_.clear();
-    for (size_t j = 0; j < blocks_.capacity() && j < blend.size(); ++j) {
+    for (size_t j = 0; j < blend.size(); ++j) {
       if (blend[j] == 0) continue;
       double* m = scaled_.data() + blocks_.size() * (size_t{K} * K);
       for (size_t row = 0; row < K; ++row) {
@@ -43,5 +44,17 @@ class ActiveBlocks {
   std::vector<int> blocks_;
   AlignedVector<double> scaled_;
 };
+
+// product_i += sum_j B_j H_ij R_j^T over the blocks j of i's group; planes.
+template <int K>
+void AddNearProducts(const SolveKernels& kernels, const PoseModel& model,
+                     const ActiveBlocks<K>& active, AlignedVector<double>* product) {
+  for (size_t at = 0; at < active.size(); ++at) {
+    const int* j = active.blocks().data() + at;
+    kernels.add_products(model.near.data(), model.near_stride, j, active.scaled(at), 1,
+                         model.near_chunks(*j),
+                         product->data() + model.near_first(*j) * kBlockLanes * (size_t{K} * K));
+  }
+}
 
 }  // namespace limber

@@ -169,12 +169,7 @@ double Alternation<K>::FitRotations(const PoseModel& model) {
   last_rotations_ = rotations_;
   for (size_t i = 0; i < fits_.size(); ++i)
     fits_[i] = -product_[i];
-  for (size_t at = 0; at < active_.size(); ++at) {
-    const int* j = active_.blocks().data() + at;
-    kernels_.add_products(model.near.data(), model.near_stride, j, active_.scaled(at), 1,
-                          model.near_chunks(*j),
-                          fits_.data() + model.near_first(*j) * kBlockLanes * (size_t{K} * K));
-  }
+  AddNearProducts(kernels_, model, active_, &fits_);
   UpdateResidual(model);  // of the last B and R, for the present targets
   kernels_.add_loads(pins_->loads.data(), residual_.data(), pins_->rank(), model.chunks(),
                      fits_.data());

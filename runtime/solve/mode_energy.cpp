@@ -122,7 +122,7 @@ template <int K>
 void ModeEnergy<K>::Evaluate(const PoseModel& model, const double* modes,
                              const AlignedVector<double>& blend,
                              const AlignedVector<double>& rotations, Parts* parts) {
-  Wanted(model, blend, rotations, parts->gap.data());
+  Wanted(model, blend, rotations, parts->gap.data());  // collects the active blocks, too
   for (size_t i = 0; i < size(); ++i)
     parts->gap[i] = modes[i] - parts->gap[i];
   std::fill(parts->product.begin(), parts->product.end(), 0.0);
@@ -146,12 +146,7 @@ void ModeEnergy<K>::SlopeThroughRotations(const PoseModel& model, const double* 
   TimesEdges(model, modes, fits_.data());
   std::fill(near_.begin(), near_.end(), 0.0);
   active_.Collect(blend, rotations);
-  for (size_t at = 0; at < active_.size(); ++at) {
-    const int* j = active_.blocks().data() + at;
-    kernels_.add_products(model.near.data(), model.near_stride, j, active_.scaled(at), 1,
-                          model.near_chunks(*j),
-                          near_.data() + model.near_first(*j) * kBlockLanes * (size_t{K} * K));
-  }
+  AddNearProducts(kernels_, model, active_, &near_);
   std::fill_n(slope, size(), 0.0);
   for (int i = 0; i < model.num_blocks; ++i) {
     const auto block = static_cast<size_t>(i);

@@ -128,7 +128,6 @@ void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const doub
     }
     LowerBounds(model, s);
   }
-  std::fill(squares_.begin(), squares_.end(), 0.0);
   std::fill(rows_done_.begin(), rows_done_.end(), size_t{0});
 }
 
@@ -137,15 +136,16 @@ double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_
   const auto i = static_cast<size_t>(block);
   if (lower_[i] >= at_least || is_exact(block)) return lower_[i];
   const size_t shapes = static_cast<size_t>(model.num_shapes), s = i % shapes, g = i / shapes;
-  double* modes = Modes(s);
+  double *modes = Modes(s), *squares = squares_.data() + i * kBlockLanes;
+  if (rows_done_[i] == 0) std::fill_n(squares, kBlockLanes, 0.0);
   for (size_t c = 0; c < K; ++c) {
     for (size_t a = 0; a < K; ++a)
       modes[c * stride_ + (size_ - K) + a] = -Rotations(s)[PlaneIndex<K>(g, c, a)];
   }
-  const double root = std::sqrt(kernels_.single_energy(
-      model.single_heads.data() + i * size_ * kBlockLanes,
-      model.single_tails.data() + i * model.single_tail_size, modes, size_, stride_,
-      at_least * at_least, &rows_done_[i], squares_.data() + i * kBlockLanes));
+  const double root = std::sqrt(
+      kernels_.single_energy(model.single_heads.data() + i * size_ * kBlockLanes,
+                             model.single_tails.data() + i * model.single_tail_size, modes, size_,
+                             stride_, at_least * at_least, &rows_done_[i], squares));
   lower_[i] = is_exact(block) ? root : std::max(lower_[i], root);
   return lower_[i];
 }

@@ -57,11 +57,7 @@ class PoseModel {
     return gram.data() + static_cast<size_t>(block) * gram_stride;
   }
 
-  // Columns of H, within the block's own group, from chunk near_first(block) on.
-  const double* NearColumn(int block) const {
-    return near.data() + static_cast<size_t>(block) * near_stride;
-  }
-
+  // Columns of H reach over the block's own group: these chunks of the others.
   size_t near_first(int block) const {
     return static_cast<size_t>(block - block % num_shapes) / kBlockLanes;
   }

@@ -27,7 +27,6 @@ struct ChunkMask {
 LIMBER_CHUNK_OPERATION(Chunk, operator+(const Chunk& a, const Chunk& b), a.part[p] + b.part[p])
 LIMBER_CHUNK_OPERATION(Chunk, operator-(const Chunk& a, const Chunk& b), a.part[p] - b.part[p])
 LIMBER_CHUNK_OPERATION(Chunk, operator*(const Chunk& a, const Chunk& b), a.part[p] * b.part[p])
-LIMBER_CHUNK_OPERATION(Chunk, operator+(const Chunk& a, double b), a.part[p] + b)
 LIMBER_CHUNK_OPERATION(Chunk, operator-(const Chunk& a, double b), a.part[p] - b)
 LIMBER_CHUNK_OPERATION(Chunk, operator*(double a, const Chunk& b), a* b.part[p])
 LIMBER_CHUNK_OPERATION(Chunk, operator/(double a, const Chunk& b), a / b.part[p])

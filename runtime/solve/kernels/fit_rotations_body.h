@@ -17,7 +17,7 @@
 namespace limber::LIMBER_KERNEL_NAMESPACE {
 
 static constexpr double kBias = 1e-9;        // of M's largest entry
-static constexpr int kMaxNewtonSteps = 6;    // three are usual
+static constexpr int kMaxNewtonSteps = 6;    // two are usual
 static constexpr double kConverged = 1e-10;  // |w|^2 of a last step: cubic, so that nothing is left
 static constexpr double kTorqueOfRounding = 1e-14;  // |v| that means nothing, of M's largest entry
 static constexpr double kFarthest = 1.0;  // |w|^2 that a quadratic model can be trusted with
