@@ -16,11 +16,13 @@ class ActiveBlocks {
   // Room for all blocks; none is active.
   explicit ActiveBlocks(int num_blocks) : scaled_(static_cast<size_t>(num_blocks) * K * K) {
     blocks_.reserve(static_cast<size_t>(num_blocks));
+    weights_.reserve(static_cast<size_t>(num_blocks));
   }
 
   // blend: B, padded with zeros; rotations: R, planes.
   void Collect(const AlignedVector<double>& blend, const AlignedVector<double>& rotations) {
     blocks_.clear();
+    weights_.clear();
     for (size_t j = 0; j < blend.size(); ++j) {
       if (blend[j] == 0) continue;
       double* m = scaled_.data() + blocks_.size() * (size_t{K} * K);
@@ -29,6 +31,7 @@ class ActiveBlocks {
           m[row * K + column] = blend[j] * rotations[PlaneIndex<K>(j, row, column)];
       }
       blocks_.push_back(static_cast<int>(j));
+      weights_.push_back(blend[j]);
     }
   }
 
@@ -37,11 +40,14 @@ class ActiveBlocks {
   // Ascending.
   const std::vector<int>& blocks() const { return blocks_; }
 
+  double weight(size_t at) const { return weights_[at]; }  // B_j
+
   // B_j R_j of the active block `at`, row-major; those of all lie one after the other.
   const double* scaled(size_t at) const { return scaled_.data() + at * (size_t{K} * K); }
 
  private:
   std::vector<int> blocks_;
+  std::vector<double> weights_;
   AlignedVector<double> scaled_;
 };
 

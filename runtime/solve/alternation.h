@@ -10,7 +10,8 @@
 
 #include "core/aligned_vector.h"
 #include "solve/active_blocks.h"
-#include "solve/blend_weight_step.h"
+#include "solve/convex_step.h"
+#include "solve/elastic_form.h"
 #include "solve/nearness_step.h"
 #include "solve/patch_turns.h"
 #include "solve/pose_model.h"
@@ -27,40 +28,6 @@ namespace limber {
 inline constexpr double kSmoothing = 1e-14;
 inline constexpr double kProximal = 1e-10;
 inline constexpr double kMatched = 1e-11;
-
-// Columns of Q_ij = tr(R_i gram_ij R_j^T).
-template <int K>
-class RotatedColumns final : public QuadraticColumns {
- public:
-  // rotations: planes over all blocks; both outlive this.
-  RotatedColumns(const PoseModel& model, const AlignedVector<double>& rotations)
-      : model_(model),
-        rotations_(rotations) {}
-
-  void Column(int block, double* column) override;
-
- private:
-  const PoseModel& model_;
-  const AlignedVector<double>& rotations_;
-};
-
-// The same summed over groups: Q for one blend of the whole character, S x S.
-template <int K>
-class UniformColumns final : public QuadraticColumns {
- public:
-  // scratch: G*S numbers, padded.
-  UniformColumns(const PoseModel& model, QuadraticColumns* varying, AlignedVector<double>* scratch)
-      : model_(model),
-        varying_(varying),
-        scratch_(scratch) {}
-
-  void Column(int shape, double* column) override;
-
- private:
-  const PoseModel& model_;
-  QuadraticColumns* varying_;
-  AlignedVector<double>* scratch_;
-};
 
 template <int K>
 class Alternation {
@@ -96,8 +63,8 @@ class Alternation {
   void ResetToRest(const PoseModel& model);
   // R for the present targets and the last B, then D and B (eq. 22, 10, 20).
   Outcome Run(const PoseModel& model, const Settings& settings);
-  // The convex step of the last Run once more from where it began, its columns of Q and rows of A
-  // built anew: the same B, to rounding. For measuring that step by itself.
+  // The convex step of the last Run once more from where it began, its parts of Q and A computed
+  // anew: the same B, to rounding. For measuring that step by itself.
   BlendReport RepeatConvexStep(const PoseModel& model);
   // At the present unknowns E_d, and lambda sum B sqrt(D) (or D) in *nearness, of the last
   // settings.
@@ -125,25 +92,30 @@ class Alternation {
 
   // For the guaranteed mode (trust_region.h), which moves the unknowns by itself: goes on from
   // these; one more step of D; what a weight costs in the objective of the last Run's settings
-  // (lambda sqrt(D) or lambda D), and numbers not above it; and the convex step of those settings.
-  // The step's user has it forget its columns before and after.
+  // (lambda sqrt(D) or lambda D), and numbers not above it; and the convex step, which its user
+  // has forget before and after.
   void Adopt(const PoseModel& model, const AlignedVector<double>& blend,
              const AlignedVector<double>& rotations);
   void AdvanceNearness(const PoseModel& model);
   double Nearness(const PoseModel& model, int block);
   NearnessTerm::Bound RaiseNearness(const PoseModel& model, int block, double at_least);
   double NearnessBound(int block) const;
-  BlendWeightStep* convex_step();
+
+  ConvexStep* convex_step() { return &convex_step_; }
 
  private:
-  void HoldRotationsAtIdentity();
+  ElasticForm<K> Form(const PoseModel& model);
+  void HoldRotationsAtIdentity(const PoseModel& model);
   double FitRotations(const PoseModel& model);
+  void RotationsChanged(const PoseModel& model);
   void UpdateGoal();
-  void RotateLoads(const PoseModel& model);
+  void UpdateTurns();
   void UpdateResidual(const PoseModel& model);
-  void UpdateProduct(const PoseModel& model);
   BlendReport SolveConvexStep(const PoseModel& model);
-  BlendReport SolveUniformStep(const PoseModel& model, const BlendProblem& varying);
+  const AlignedVector<double>& TransformsFrom(const PoseModel& model,
+                                              const AlignedVector<double>& blend,
+                                              const ActiveBlocks<K>& active,
+                                              const AlignedVector<double>& residual);
   double NearnessOf(double root) const;
   double RootFor(double nearness) const;
 
@@ -155,22 +127,18 @@ class Alternation {
   bool are_identity_ = false;                         // all R = I
   AlignedVector<double> blend_, last_blend_;          // B, [padded]
   AlignedVector<double> nearness_;                    // lambda sqrt(D) or less, [padded]
-  AlignedVector<double> rows_;                        // L^T V_j^T R_j^T: [q][K][padded]
-  AlignedVector<double> goal_, residual_;             // L^T X and e, [q][K]
-  AlignedVector<double> column_;                      // [padded], scratch
-  AlignedVector<double> product_;                     // P, planes
+  AlignedVector<double> goal_, residual_;             // L^T X and e, [K][load_stride]
+  AlignedVector<double> changes_;                     // of rotations, [padded]
   AlignedVector<double> fits_;                        // K^, planes
   AlignedVector<double> pin_values_;                  // t and e, [1 + q and a little][K]
   AlignedVector<double> transforms_;                  // T^
-  ActiveBlocks<K> active_;                            // of the last B and R
   std::vector<uint8_t> failed_;                       // [padded], scratch
-  BlendWeightStep blend_step_;
-  BlendWeightStep uniform_step_;  // one blend for all groups
-  AlignedVector<double> uniform_blend_, uniform_nearness_, uniform_rows_;
+  ElasticMemory<K> memory_;                           // of B and R
+  ConvexStep convex_step_;
   NearnessStep<K> nearness_step_;
   PatchTurns<K> patch_turns_;
-  AlignedVector<double> other_blend_,
-      other_rotations_;  // TransformsOf's, or the unknowns meanwhile
+  ActiveBlocks<K> other_active_;          // TransformsOf's
+  AlignedVector<double> other_residual_;  // likewise
 };
 
 extern template class Alternation<2>;

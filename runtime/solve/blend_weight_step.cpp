@@ -27,19 +27,19 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
       num_shapes_(num_shapes),
       num_blocks_(num_groups * num_shapes),
       max_used_(std::min(num_blocks_, std::max(kUsedAlways, kUsedPerGroup * num_groups))),
-      padded_(Padded(num_blocks_)),
       row_stride_(Padded(max_rows)),
       used_stride_(Padded(max_used_)),
       slot_(static_cast<size_t>(num_blocks_), -1),
-      columns_(static_cast<size_t>(max_used_) * padded_),
       loads_(static_cast<size_t>(max_used_) * row_stride_),
       quadratic_(static_cast<size_t>(max_used_) * used_stride_),
       is_free_(static_cast<size_t>(num_blocks_)),
       reference_(static_cast<size_t>(num_groups)),
       nearness_(static_cast<size_t>(num_blocks_)),
       is_exact_(static_cast<size_t>(num_blocks_)),
-      gradient_(padded_),
+      gradient_(Padded(num_blocks_)),
+      errors_(gradient_),
       residual_(row_stride_),
+      load_(row_stride_),
       start_(static_cast<size_t>(num_blocks_)),
       weights_(used_stride_),
       used_gradient_(used_stride_),
@@ -54,42 +54,33 @@ BlendWeightStep::BlendWeightStep(const SolveKernels& kernels, int num_groups, in
   trades_.resize(most_free * row_stride_);
 }
 
-void BlendWeightStep::ForgetColumns() {
+void BlendWeightStep::Forget() {
   for (const int block : used_)
     slot_[static_cast<size_t>(block)] = -1;
   used_.clear();
 }
 
-// Where room is short: forgets the columns of weights that are zero and stay so, unless none is.
+// Where room is short: forgets weights that are zero and stay so, unless none is.
 void BlendWeightStep::DropUnused(const double* blend) {
-  int kept = 0;
+  size_t kept = 0;
   for (size_t slot = 0; slot < used_.size(); ++slot) {
     const auto block = static_cast<size_t>(used_[slot]);
     if (blend[block] == 0 && is_free_[block] == 0) {
       slot_[block] = -1;
       continue;
     }
-    std::copy_n(column(static_cast<int>(slot)), padded_, column(kept));
+    // Rows move up, then columns: whatever moves comes from a later place than where it goes.
     std::copy_n(loads_.data() + slot * row_stride_, row_stride_,
-                loads_.data() + static_cast<size_t>(kept) * row_stride_);
-    used_[static_cast<size_t>(kept++)] = static_cast<int>(block);
+                loads_.data() + kept * row_stride_);
+    std::copy_n(quadratic_.data() + slot * used_stride_, used_stride_,
+                quadratic_.data() + kept * used_stride_);
+    for (size_t row = 0; row < used_.size(); ++row)
+      quadratic_[row * used_stride_ + kept] = quadratic_[row * used_stride_ + slot];
+    weights_[kept] = blend[block];
+    slot_[block] = static_cast<int>(kept);
+    used_[kept++] = static_cast<int>(block);
   }
-  used_.resize(static_cast<size_t>(kept));
-  for (size_t slot = 0; slot < used_.size(); ++slot) {
-    Place(slot);
-    weights_[slot] = blend[used_[slot]];
-  }
-}
-
-// The entries of Q of a slot, whose column is there, with those before it.
-void BlendWeightStep::Place(size_t slot) {
-  slot_[static_cast<size_t>(used_[slot])] = static_cast<int>(slot);
-  double* quadratic = quadratic_.data() + slot * used_stride_;
-  const double* q = column(static_cast<int>(slot));
-  for (size_t other = 0; other <= slot; ++other) {
-    quadratic[other] = q[used_[other]];
-    quadratic_[other * used_stride_ + slot] = quadratic[other];
-  }
+  used_.resize(kept);
 }
 
 // Gives a weight a slot; false where there is no room left.
@@ -99,13 +90,16 @@ bool BlendWeightStep::Use(const BlendProblem& problem, int block, const double* 
   if (static_cast<int>(used_.size()) == max_used_) DropUnused(blend);
   if (static_cast<int>(used_.size()) == max_used_) return false;
   const size_t slot = used_.size();
-  problem.quadratic->Column(block, column(static_cast<int>(slot)));
-  double* load = loads_.data() + slot * row_stride_;
-  std::fill_n(load, row_stride_, 0.0);
-  for (int row = 0; row < problem.num_rows; ++row)
-    load[row] = problem.rows[static_cast<size_t>(row) * padded_ + static_cast<size_t>(block)];
   used_.push_back(block);
-  Place(slot);
+  slot_[static_cast<size_t>(block)] = static_cast<int>(slot);
+  weights_[slot] = blend[block];
+  double* entries = quadratic_.data() + slot * used_stride_;
+  problem.form->Entries(block, used_.data(), used_.size(), entries);
+  for (size_t other = 0; other < slot; ++other)
+    quadratic_[other * used_stride_ + slot] = entries[other];
+  double* load = loads_.data() + slot * row_stride_;
+  problem.form->Load(block, load);
+  std::fill(load + problem.num_rows, load + row_stride_, 0.0);
   return true;
 }
 
@@ -149,22 +143,34 @@ void BlendWeightStep::UpdateUsedGradient(const BlendProblem& problem, const doub
     const auto block = static_cast<size_t>(used_[slot]);
     const double moved = blend[block] - start_[block];
     value_ += 0.5 * problem.proximal * moved * moved;
-    gradient_[block] = used_gradient_[slot] + slot_changes_[slot] + problem.proximal * moved;
+    used_gradient_[slot] += slot_changes_[slot] + problem.proximal * moved;
+    gradient_[block] = used_gradient_[slot];
   }
   value_ = std::max(value_, 0.0);
 }
 
 // After UpdateUsedGradient: at all weights.
 void BlendWeightStep::UpdateFullGradient(const BlendProblem& problem, const double* blend) {
-  std::fill(gradient_.begin(), gradient_.end(), 0.0);
-  kernels_.add_rows(columns_.data(), padded_, weights_.data(), used_.size(), padded_ / kBlockLanes,
-                    gradient_.data());
-  kernels_.add_rows(problem.rows, padded_, residual_.data(), static_cast<size_t>(problem.num_rows),
-                    padded_ / kBlockLanes, gradient_.data());
-  for (const int block : used_) {
-    gradient_[static_cast<size_t>(block)] +=
-        problem.proximal * (blend[block] - start_[static_cast<size_t>(block)]);
+  problem.form->Gradient(blend, residual_.data(), gradient_.data(), errors_.data());
+  for (size_t slot = 0; slot < used_.size(); ++slot) {
+    const auto block = static_cast<size_t>(used_[slot]);
+    gradient_[block] = used_gradient_[slot];
+    errors_[block] = 0;
   }
+}
+
+// The gradient at a weight that has no slot, and so was zero at the start.
+void BlendWeightStep::PriceExactly(const BlendProblem& problem, int block) {
+  const auto i = static_cast<size_t>(block);
+  const size_t rows = row_stride_ / kBlockLanes, chunks = NumChunks(used_.size());
+  problem.form->Entries(block, used_.data(), used_.size(), slot_changes_.data());
+  std::fill(slot_changes_.begin() + static_cast<ptrdiff_t>(used_.size()),
+            slot_changes_.begin() + static_cast<ptrdiff_t>(chunks * kBlockLanes), 0.0);
+  problem.form->Load(block, load_.data());
+  std::fill(load_.begin() + problem.num_rows, load_.end(), 0.0);
+  gradient_[i] = kernels_.dot(slot_changes_.data(), weights_.data(), chunks) +
+                 kernels_.dot(load_.data(), residual_.data(), rows);
+  errors_[i] = 0;
 }
 
 // Of f, in the coordinates of free_ (each trades with its group's reference), lower triangle.
@@ -295,7 +301,12 @@ double BlendWeightStep::WorstOfGroup(const BlendProblem& problem, const double* 
   *block = -1;
   for (int j = group * num_shapes_; j < (group + 1) * num_shapes_; ++j) {
     if (is_free_[static_cast<size_t>(j)] != 0 || blend[j] != 0) continue;
-    if (IsNearnessAtLeast(problem, j, worst + level - steepness(j))) continue;
+    const double error = outer * errors_[static_cast<size_t>(j)];
+    if (IsNearnessAtLeast(problem, j, worst + level - steepness(j) + error)) continue;
+    if (error > 0) {
+      PriceExactly(problem, j);
+      if (IsNearnessAtLeast(problem, j, worst + level - steepness(j))) continue;
+    }
     worst = steepness(j) + Nearness(problem, j) - level;
     *block = j;
   }
@@ -361,7 +372,7 @@ BlendReport BlendWeightStep::Solve(const BlendProblem& problem, double* blend) {
   const int most_faces = 50 + 8 * num_blocks_;
   BlendReport report;
   if (Padded(problem.num_rows) != row_stride_) {
-    ForgetColumns();
+    Forget();
     row_stride_ = Padded(problem.num_rows);
   }
   for (int j = 0; j < num_blocks_; ++j) {

@@ -4,8 +4,9 @@
 // by an active-set method that is exact on each face: on the affine hull of the free weights the
 // minimiser has a closed form, so the loop is finite and needs no line search. Faces are worked on
 // in the coordinates of the few weights in use; the others are priced, one product, when a face
-// is done. At a point where f vanishes (targets that the examples match exactly) the square root
-// has a kink; f + delta^2 with a tiny delta stands for it, which moves B by about
+// is done. That product may be rough if it says how rough: a weight that it does not rule out is
+// priced once more, exactly. At a point where f vanishes (targets that the examples match exactly)
+// the square root has a kink; f + delta^2 with a tiny delta stands for it, which moves B by about
 // delta / sqrt(energy scale).
 //
 // Where several B serve equally well (an example that moves no handle, shapes equal over a group)
@@ -24,12 +25,17 @@
 
 namespace limber {
 
-// The quadratic form, asked for by columns: only those of weights that are used are computed.
-class QuadraticColumns {
+// Q and A, asked for as far as they are needed.
+class BlendForm {
  public:
-  virtual ~QuadraticColumns() = default;
-  // Q(:, block) into G*S numbers, padded to whole chunks with zeros.
-  virtual void Column(int block, double* column) = 0;
+  virtual ~BlendForm() = default;
+  // Q(others[i], block), exactly.
+  virtual void Entries(int block, const int* others, size_t count, double* entries) = 0;
+  // A(:, block).
+  virtual void Load(int block, double* load) = 0;
+  // Q B + A^T residual, of G*S weights, padded with anything, to within `errors`.
+  virtual void Gradient(const double* blend, const double* residual, double* gradient,
+                        double* errors) = 0;
 };
 
 // The linear term, exact where it is asked for; elsewhere BlendProblem::nearness holds lower
@@ -49,10 +55,9 @@ class NearnessTerm {
 };
 
 struct BlendProblem {
-  QuadraticColumns* quadratic = nullptr;  // Q, positive semi-definite
-  int num_rows = 0;                       // of A
-  const double* rows = nullptr;           // A, [num_rows][G*S padded with zeros]
-  const double* goal = nullptr;           // a, [num_rows]
+  BlendForm* form = nullptr;     // Q, positive semi-definite, and A
+  int num_rows = 0;              // of A
+  const double* goal = nullptr;  // a, [num_rows]
   // lambda sqrt(D), G*S, all >= 0; where there is a term, lower bounds of it.
   const double* nearness = nullptr;
   NearnessTerm* nearness_term = nullptr;
@@ -64,7 +69,7 @@ struct BlendProblem {
 
 struct BlendReport {
   int faces = 0;         // faces visited
-  int used = 0;          // weights that were free at some time: columns of Q computed
+  int used = 0;          // weights that were free at some time
   double violation = 0;  // largest negative multiplier left, relative to the largest gradient
   // False: the limit of visits, or of weights in use, was reached; B is feasible all the same.
   bool converged = false;
@@ -72,13 +77,11 @@ struct BlendReport {
 
 class BlendWeightStep {
  public:
-  // All the memory that Solve will ever need: G*S numbers for each weight that may be in use, at
-  // most max_rows rows of A.
+  // All the memory that Solve will ever need, with at most max_rows rows of A.
   BlendWeightStep(const SolveKernels& kernels, int num_groups, int num_shapes, int max_rows);
 
-  // The columns of Q have changed (those of A too): forgets what was computed of them. Solve keeps
-  // them otherwise.
-  void ForgetColumns();
+  // Q or A has changed: forgets what was asked of them. Solve keeps it otherwise.
+  void Forget();
 
   // blend: in a feasible start (the last frame's answer), out the minimiser. Weights that end at
   // their bound are exactly zero and each group sums to one within rounding.
@@ -86,11 +89,11 @@ class BlendWeightStep {
 
  private:
   bool Use(const BlendProblem& problem, int block, const double* blend);
-  void Place(size_t slot);
   void DropUnused(const double* blend);
   bool StartIsMatched(const BlendProblem& problem, const double* blend);
   double Nearness(const BlendProblem& problem, int block);
   bool IsNearnessAtLeast(const BlendProblem& problem, int block, double level);
+  void PriceExactly(const BlendProblem& problem, int block);
   void CollectFree(const double* blend);
   void UpdateUsedGradient(const BlendProblem& problem, const double* blend);
   void UpdateFullGradient(const BlendProblem& problem, const double* blend);
@@ -103,16 +106,13 @@ class BlendWeightStep {
   double WorstOfGroup(const BlendProblem& problem, const double* blend, int group, double outer,
                       double tolerance, int* block);
 
-  double* column(int slot) { return columns_.data() + static_cast<size_t>(slot) * padded_; }
-
   const SolveKernels& kernels_;
   int num_groups_, num_shapes_, num_blocks_, max_used_;
-  size_t padded_, row_stride_, used_stride_;  // G*S, rows and max_used in whole chunks
+  size_t row_stride_, used_stride_;  // rows and max_used in whole chunks
 
   // The weights in use, by slot.
   std::vector<int> used_;            // block of each slot
   std::vector<int> slot_;            // [G*S]: slot of each block, -1 for none
-  AlignedVector<double> columns_;    // Q(:, block), [max_used][padded]
   AlignedVector<double> loads_;      // A(:, block), [max_used][row_stride]
   AlignedVector<double> quadratic_;  // Q among them, [max_used][used_stride]
 
@@ -122,11 +122,13 @@ class BlendWeightStep {
   std::vector<double> nearness_;    // [G*S]: the linear term, exact where exact_ says so
   std::vector<uint8_t> is_exact_;   // [G*S]
   AlignedVector<double> gradient_;  // [padded] of f at B, the proximal term included
+  AlignedVector<double> errors_;    // [padded] of it at most
   AlignedVector<double> residual_;  // A B - a, [row_stride]
+  AlignedVector<double> load_;      // of a weight without a slot, [row_stride]
   AlignedVector<double> start_;     // [G*S]: B at the call
   AlignedVector<double> hessian_;   // reduced, free x free in columns
   AlignedVector<double> weights_;   // [used_stride]: B by slot
-  AlignedVector<double> used_gradient_;  // [used_stride]: of f by slot, less the proximal term
+  AlignedVector<double> used_gradient_;  // [used_stride]: of f by slot, the proximal term included
   AlignedVector<double> slot_changes_;   // [used_stride]: A^T (A B - a); one row of Q less another
   AlignedVector<double> trades_;         // [free][row_stride]: A's columns less their references'
   AlignedVector<double> newton_, slope_, direction_;  // [free padded]

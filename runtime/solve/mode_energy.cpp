@@ -65,6 +65,7 @@ ModeEnergy<K>::ModeEnergy(const PoseModel& model)
       stride_(PaddedSize(static_cast<size_t>(model.num_modes))),
       fits_(model.chunks() * kBlockLanes * K * K),
       near_(fits_),
+      singles_(static_cast<size_t>(model.num_blocks) * K * kQuadLanes),
       active_(model.num_blocks),
       failed_(model.chunks() * kBlockLanes) {}
 
@@ -118,6 +119,21 @@ void ModeEnergy<K>::FitRotations(const PoseModel& model, const double* modes,
   }
 }
 
+// P of the active blocks, from the table in double precision: E_d cancels.
+template <int K>
+void ModeEnergy<K>::Multiply(const PoseModel& model, AlignedVector<double>* product) {
+  std::fill(singles_.begin(), singles_.end(), 0.0);
+  kernels_.add_single_products(model.gram.data(), model.gram_stride, active_.blocks().data(),
+                               active_.scaled(0), active_.size(),
+                               static_cast<size_t>(model.num_blocks), singles_.data());
+  for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
+    for (size_t a = 0; a < K; ++a) {
+      for (size_t c = 0; c < K; ++c)
+        (*product)[PlaneIndex<K>(i, a, c)] = singles_[(i * K + a) * kQuadLanes + c];
+    }
+  }
+}
+
 template <int K>
 void ModeEnergy<K>::Evaluate(const PoseModel& model, const double* modes,
                              const AlignedVector<double>& blend,
@@ -125,9 +141,7 @@ void ModeEnergy<K>::Evaluate(const PoseModel& model, const double* modes,
   Wanted(model, blend, rotations, parts->gap.data());  // collects the active blocks, too
   for (size_t i = 0; i < size(); ++i)
     parts->gap[i] = modes[i] - parts->gap[i];
-  std::fill(parts->product.begin(), parts->product.end(), 0.0);
-  kernels_.add_products(model.gram.data(), model.gram_stride, active_.blocks().data(),
-                        active_.scaled(0), active_.size(), model.chunks(), parts->product.data());
+  Multiply(model, &parts->product);
   double rest = 0;
   for (size_t i = 0; i < static_cast<size_t>(model.num_blocks); ++i) {
     if (blend[i] == 0) continue;
@@ -162,7 +176,7 @@ template <int K>
 void ModeEnergy<K>::AtPins(const PinSet& pins, const double* modes, double* values) const {
   const auto held = pins.system.modes();
   const auto root = pins.system.root();
-  std::fill_n(values, pins.rank() * K, 0.0);
+  std::fill_n(values, pins.load_stride() * K, 0.0);
   for (Eigen::Index pin = 0; pin < held.rows(); ++pin) {
     double at_pin[K] = {};
     for (Eigen::Index m = 0; m < held.cols(); ++m) {
@@ -171,7 +185,7 @@ void ModeEnergy<K>::AtPins(const PinSet& pins, const double* modes, double* valu
     }
     for (Eigen::Index p = 0; p < root.cols(); ++p) {
       for (size_t c = 0; c < K; ++c)
-        values[static_cast<size_t>(p) * K + c] += root(pin, p) * at_pin[c];
+        values[c * pins.load_stride() + static_cast<size_t>(p)] += root(pin, p) * at_pin[c];
     }
   }
 }
@@ -184,7 +198,7 @@ void ModeEnergy<K>::AddPinned(const PinSet& pins, const double* values, double* 
     double at_pin[K] = {};
     for (Eigen::Index p = 0; p < root.cols(); ++p) {
       for (size_t c = 0; c < K; ++c)
-        at_pin[c] += root(pin, p) * values[static_cast<size_t>(p) * K + c];
+        at_pin[c] += root(pin, p) * values[c * pins.load_stride() + static_cast<size_t>(p)];
     }
     for (Eigen::Index m = 0; m < held.cols(); ++m) {
       for (size_t c = 0; c < K; ++c)

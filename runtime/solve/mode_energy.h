@@ -76,19 +76,21 @@ class ModeEnergy {
   void Transforms(const PoseModel& model, const PinSet& pins, const double* modes,
                   const double* targets, AlignedVector<double>* transforms) const;
 
-  // L^T C z, [q][K]; and z += C^T L values.
+  // L^T C z, [K][load_stride]; and z += C^T L values.
   void AtPins(const PinSet& pins, const double* modes, double* values) const;
   void AddPinned(const PinSet& pins, const double* values, double* modes) const;
 
  private:
+  void Multiply(const PoseModel& model, AlignedVector<double>* product);
   void AddEdges(const PoseModel& model, int block, const double* m, double* modes) const;
 
   const SolveKernels& kernels_;
   size_t stride_;
-  AlignedVector<double> fits_;   // K^, planes
-  AlignedVector<double> near_;   // sum_j B_j H_ij R_j^T, planes
-  ActiveBlocks<K> active_;       // of the last B and R that were given
-  std::vector<uint8_t> failed_;  // [padded], scratch
+  AlignedVector<double> fits_;     // K^, planes
+  AlignedVector<double> near_;     // sum_j B_j H_ij R_j^T, planes
+  AlignedVector<double> singles_;  // P, [G*S][K][4]
+  ActiveBlocks<K> active_;         // of the last B and R that were given
+  std::vector<uint8_t> failed_;    // [padded], scratch
 };
 
 extern template class ModeEnergy<2>;

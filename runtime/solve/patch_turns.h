@@ -41,11 +41,15 @@ class PatchTurns {
   // R in rig space, [turns][K][K] row-major, in the pin set's order.
   AlignedVector<double> targets;
 
-  // To be called in this order once R has changed. `rows` are those of the convex step,
-  // L^T V_j^T R_j^T [q][K][blocks]: what X takes of them is subtracted.
-  void RotateLoads(const SolveKernels& kernels, const PinSet& pins, const double* rotations);
-  void TakeFromRows(const SolveKernels& kernels, const PinSet& pins, const double* blend,
-                    double* rows);
+  // To be called once R has changed, or the targets: Q, and so what X takes of each block.
+  void Update(const SolveKernels& kernels, const PinSet& pins, const double* rotations,
+              const double* blend);
+  // Subtracts that from the rows L^T V_j^T R_j^T of a block, [K][pins.load_stride()], so many
+  // times.
+  void TakeFromLoad(const PinSet& pins, size_t block, double times, double* load) const;
+  // And from the sums V_i L residual of all blocks, planes. residual: [K][pins.load_stride()].
+  void TakeFromPulled(const SolveKernels& kernels, const PinSet& pins, const double* residual,
+                      AlignedVector<double>* pulled);
   // X of the axes for a blend, into the rows of the pin set's targets.
   void StorePositions(const SolveKernels& kernels, const PinSet& pins, const double* blend,
                       double* positions) const;
@@ -58,6 +62,7 @@ class PatchTurns {
 
   size_t blocks_;
   AlignedVector<double> axis_rows_;                 // V_j^T R_j^T of the axes: [axis][K][blocks]
+  AlignedVector<double> axis_values_;               // [K][axes], scratch
   std::vector<Eigen::Matrix<double, K, K>> turns_;  // R Q^T
 };
 

@@ -1,7 +1,5 @@
 #include "solve/pin_set.h"
 
-#include "solve/kernels/solve_kernels.h"
-
 #include <algorithm>
 
 namespace limber {
@@ -23,6 +21,7 @@ PinSet::PinSet(const Rig& rig, size_t max_rows, size_t max_turns)
       single_stride_(PaddedSize(static_cast<size_t>(rig.tables().num_single_modes) + dimension_)),
       num_single_modes_(static_cast<size_t>(rig.tables().num_single_modes)),
       single_system_(max_rows, num_single_modes_),
+      block_loads_(num_blocks_ * dimension_ * LoadStride(max_rows)),
       single_modes_(num_shapes_ * max_rows * single_stride_),
       single_response_(num_shapes_ * max_rows * max_rows) {
   const size_t padded = PaddedSize(num_blocks_);
@@ -36,7 +35,8 @@ PinSet::PinSet(const Rig& rig, size_t max_rows, size_t max_turns)
 }
 
 size_t PinSet::bytes() const {
-  return BytesOf(loads, axis_loads, shifts, transforms, rows_, single_modes_, single_response_) +
+  return BytesOf(loads, axis_loads, shifts, transforms, rows_, block_loads_, single_modes_,
+                 single_response_) +
          system.bytes() + single_system_.bytes();
 }
 
@@ -75,6 +75,7 @@ void PinSet::LayOutLoads(std::span<const Hold> holds) {
   const size_t padded = PaddedSize(num_blocks_), q = rank();
   const auto root = system.root();
   const auto translation = system.translation();
+  std::fill(block_loads_.begin(), block_loads_.end(), 0.0);
   for (size_t row = 0; row < num_blocks_ * dimension_; ++row) {
     const size_t block = row / dimension_, axis = row % dimension_, chunk = block / kBlockLanes;
     double shift = 0;
@@ -87,6 +88,7 @@ void PinSet::LayOutLoads(std::span<const Hold> holds) {
       for (size_t i = 0; i < holds.size(); ++i)
         load += holds[i].row.loads[row] * column[i];
       loads[((chunk * dimension_ + axis) * q + p) * kBlockLanes + block % kBlockLanes] = load;
+      block_loads_[row * load_stride() + p] = load;
     }
   }
   // The lanes past the last block, which another rank may have used for something else.

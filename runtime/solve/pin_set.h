@@ -7,6 +7,7 @@
 #include "rig/rig.h"
 #include "solve/constraint_system.h"
 #include "solve/held_rows.h"
+#include "solve/kernels/solve_kernels.h"
 
 #include <span>
 #include <vector>
@@ -45,8 +46,21 @@ class PinSet {
   // C, W = L L^T and w: the pins' energy is 1/2 |L^T (X - C b)|^2.
   ConstraintSystem system;
 
-  // V_i L for every block, with V_i = K_z,i C^T: [chunk][k][q][8].
+  // V_i L for every block, with V_i = K_z,i C^T: [chunk][k][q][8], and of one block alone, [k]
+  // [load_stride] with zeros past q.
   AlignedVector<double> loads;
+
+  const double* BlockLoad(size_t block) const {
+    return block_loads_.data() + block * dimension_ * load_stride();
+  }
+
+  size_t load_stride() const { return LoadStride(rank()); }
+
+  // Of that many rows, at most.
+  static size_t LoadStride(size_t rows) {
+    return (rows + kQuadLanes - 1) / kQuadLanes * kQuadLanes;
+  }
+
   // V_i w^T, what block i shifts the translation by: [k][N padded].
   AlignedVector<double> shifts;
   // The transforms of a translation and those that the pins' residuals ask for, phi_0 | Phi_1 C^T
@@ -77,6 +91,7 @@ class PinSet {
   size_t single_stride_, num_single_modes_;
   ConstraintSystem single_system_;
   std::vector<ConstraintRow> rows_;  // scratch
+  AlignedVector<double> block_loads_;
   AlignedVector<double> single_modes_;
   std::vector<double> single_response_;
 };

@@ -11,7 +11,7 @@ namespace {
 using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using TableMap = Eigen::Map<const RowMajorF>;
 
-// The gram matrix is the largest thing a model holds; 12 thousand columns are 1.2 GB.
+// The gram matrix is the largest thing a model holds; 12 thousand columns are 1.7 GB.
 constexpr int kMaxGramColumns = 12000;
 
 TableMap MapTable(const std::vector<float>& table, Eigen::Index rows, Eigen::Index columns) {
@@ -19,12 +19,13 @@ TableMap MapTable(const std::vector<float>& table, Eigen::Index rows, Eigen::Ind
 }
 
 // The K columns of one block, rows (i, a), as planes; block i goes to place `offset` + i.
-template <int K>
-void LayOutStrip(const Eigen::Ref<const Eigen::MatrixXd>& columns, size_t offset, double* strip) {
+template <int K, typename Number>
+void LayOutStrip(const Eigen::Ref<const Eigen::MatrixXd>& columns, size_t offset, Number* strip) {
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     const size_t i = offset + static_cast<size_t>(row / K), a = static_cast<size_t>(row % K);
     for (size_t b = 0; b < K; ++b)
-      strip[PlaneIndex<K>(i, b, a)] = columns(row, static_cast<Eigen::Index>(b));
+      strip[PlaneIndex<K>(i, b, a)] =
+          static_cast<Number>(columns(row, static_cast<Eigen::Index>(b)));
   }
 }
 
@@ -59,11 +60,17 @@ void LayOutGram(const RigTables& tables, PoseModel* model) {
       MapTable(tables.residual_factor, tables.residual_rank, columns).cast<double>().transpose());
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   const auto blocks = static_cast<size_t>(model->num_blocks);
-  model->gram_stride = model->chunks() * kBlockLanes * K * K;
+  model->gram_stride = blocks * K * K;
   model->gram.assign(model->gram_stride * blocks, 0.0);
+  model->gram_planes.assign(model->planes_stride() * blocks, 0.0f);
+  model->gram_norms.assign(model->chunks() * kBlockLanes, 0.0);
   for (size_t j = 0; j < blocks; ++j) {
-    LayOutStrip<K>(gram.middleCols<K>(static_cast<Eigen::Index>(j) * K), 0,
-                   model->gram.data() + j * model->gram_stride);
+    const auto strip = gram.middleCols<K>(static_cast<Eigen::Index>(j) * K);
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, K, Eigen::RowMajor>>(
+        model->gram.data() + j * model->gram_stride, columns, K) = strip;
+    LayOutStrip<K>(strip, 0, model->gram_planes.data() + j * model->planes_stride());
+    model->gram_norms[j] =
+        std::sqrt(strip.template middleRows<K>(static_cast<Eigen::Index>(j) * K).trace());
   }
   LayOutNear<K>(tables, gram, model);
 }
@@ -75,6 +82,7 @@ void LayOutFoldedGram(const RigTables& tables, PoseModel* model) {
       MapTable(tables.residual_factor, tables.residual_rank, blocks).cast<double>();
   model->gram_stride = PaddedSize(static_cast<size_t>(blocks));
   model->gram.assign(model->gram_stride * static_cast<size_t>(blocks), 0.0);
+  model->gram_norms.assign(model->gram_stride, 0.0);
   Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
       model->gram.data(), blocks, blocks,
       Eigen::OuterStride<>(static_cast<Eigen::Index>(model->gram_stride)))
@@ -195,8 +203,9 @@ void LayOutTables(PoseModel* model) {
 }  // namespace
 
 size_t PoseModel::bytes() const {
-  return BytesOf(gram, near, transform_response, single_edges_by_mode, single_edges_by_group,
-                 single_heads, single_tails, single_edge_norms, pin_of_handle, pinned_handles) +
+  return BytesOf(gram, gram_planes, gram_norms, near, transform_response, single_edges_by_mode,
+                 single_edges_by_group, single_heads, single_tails, single_edge_norms,
+                 pin_of_handle, pinned_handles) +
          pins->bytes() + handle_rows->bytes();
 }
 

@@ -51,10 +51,15 @@ class PoseModel {
   // Memory that the tables below and the pins take; the rig's own is not counted.
   size_t bytes() const;
 
-  // F^T F: planes of block j's column, rows over all blocks; of a folded rig (without rotations)
-  // one number a block.
+  // F^T F: block j's column, a k x k matrix of every block, row-major; of a folded rig (without
+  // rotations) one number a block, padded.
   const double* GramColumn(int block) const {
     return gram.data() + static_cast<size_t>(block) * gram_stride;
+  }
+
+  // Of gram_planes, from one block's column to the next.
+  size_t planes_stride() const {
+    return chunks() * kBlockLanes * static_cast<size_t>(k) * static_cast<size_t>(k);
   }
 
   // Columns of H reach over the block's own group: these chunks of the others.
@@ -70,6 +75,9 @@ class PoseModel {
   bool is_folded = false;
   size_t gram_stride = 0, near_stride = 0;
   AlignedVector<double> gram, near;
+  // The same F^T F as planes in single precision; empty where folded. And |F_i|, zero where folded.
+  AlignedVector<float> gram_planes;
+  AlignedVector<double> gram_norms;
   // Phi_1 K_z^T: the transforms that block j's edges ask for. [j][row chunk][k][8].
   AlignedVector<float> transform_response;
 

@@ -28,27 +28,43 @@ constexpr int kMostNearnessSteps = 100;
 
 }  // namespace
 
-// Q_ij and, spread over it, the linear term and the constant.
+// f with, spread over Q, the linear term and the constant: Q_ij + (l_i + l_j)/G + 2 c/G^2.
 template <int K>
-class TrustRegion<K>::Columns final : public QuadraticColumns {
+class TrustRegion<K>::ModelForm final : public BlendForm {
  public:
-  Columns(const PoseModel& model, const TrustRegion& owner)
-      : model_(model),
+  ModelForm(const PoseModel& model, const TrustRegion& owner, ElasticForm<K>* elastic)
+      : groups_(model.num_groups),
+        blocks_(static_cast<size_t>(model.num_blocks)),
         owner_(owner),
-        rotated_(model, owner.point_.rotations) {}
+        elastic_(elastic) {}
 
-  void Column(int block, double* column) override {
-    rotated_.Column(block, column);
-    const double groups = model_.num_groups;
-    const double own = owner_.linear_[static_cast<size_t>(block)] + 2 * owner_.constant_ / groups;
-    for (size_t j = 0; j < static_cast<size_t>(model_.num_blocks); ++j)
-      column[j] += (own + owner_.linear_[j]) / groups;
+  void Entries(int block, const int* others, size_t count, double* entries) override {
+    elastic_->Entries(block, others, count, entries);
+    const double own = owner_.linear_[static_cast<size_t>(block)] + 2 * owner_.constant_ / groups_;
+    for (size_t i = 0; i < count; ++i)
+      entries[i] += (own + owner_.linear_[static_cast<size_t>(others[i])]) / groups_;
+  }
+
+  void Load(int block, double* load) override { elastic_->Load(block, load); }
+
+  void Gradient(const double* blend, const double* residual, double* gradient,
+                double* errors) override {
+    elastic_->Gradient(blend, residual, gradient, errors);
+    double sum = 0, along = 0;
+    for (size_t j = 0; j < blocks_; ++j) {
+      sum += blend[j];
+      along += blend[j] * owner_.linear_[j];
+    }
+    const double all = along + 2 * owner_.constant_ / groups_ * sum;
+    for (size_t i = 0; i < blocks_; ++i)
+      gradient[i] += (all + owner_.linear_[i] * sum) / groups_;
   }
 
  private:
-  const PoseModel& model_;
+  double groups_;
+  size_t blocks_;
   const TrustRegion& owner_;
-  RotatedColumns<K> rotated_;
+  ElasticForm<K>* elastic_;
 };
 
 // The weights' cost, scaled as the model's energy is.
@@ -95,15 +111,18 @@ TrustRegion<K>::TrustRegion(const PoseModel& model, size_t max_pins)
       shift_(energy_.size()),
       pulled_(point_.rotations.size()),
       linear_(point_.blend.size()),
-      rows_(targets_.size() * point_.blend.size()),
-      goal_(targets_.size()),
-      residual_(targets_.size()),
+      goal_(PaddedSize(K * PinSet::LoadStride(targets_.size() / K))),
+      residual_(goal_),
+      memory_(model),
+      trial_active_(model.num_blocks),
       nearness_(point_.blend.size()),
       changes_(point_.blend.size()),
-      uniform_blend_(PaddedSize(static_cast<size_t>(model.num_shapes))),
-      uniform_nearness_(uniform_blend_.size()),
-      uniform_rows_(targets_.size() * uniform_blend_.size()),
       transforms_(model.row_chunks() * kBlockLanes * K) {}
+
+template <int K>
+ElasticForm<K> TrustRegion<K>::Form(const PoseModel& model) {
+  return {model, alternation_->pins(), point_.rotations, nullptr, &memory_};
+}
 
 template <int K>
 bool TrustRegion<K>::IsOurs(const Settings& settings, const Alternation<K>& alternation) const {
@@ -169,7 +188,8 @@ void TrustRegion<K>::LoadModes(const PoseModel& model) {
       for (size_t pin = 0; pin < pins.size(); ++pin)
         goal += pins.system.root()(static_cast<Eigen::Index>(pin), static_cast<Eigen::Index>(p)) *
                 targets_[pin * K + c];
-      residual_[p * K + c] = goal - residual_[p * K + c];
+      double& residual = residual_[c * pins.load_stride() + p];
+      residual = goal - residual;
     }
   }
   energy_.AddPinned(pins, residual_.data(), point_.modes.data());
@@ -201,8 +221,7 @@ void TrustRegion<K>::Iterate(const PoseModel& model, Outcome* outcome) {
   }
   outcome->before = point_.objective;
   const bool is_same_problem = std::abs(point_.objective - last) <= kResolution * last;
-  kernels_.rotate_loads(alternation_->pins().loads.data(), point_.rotations.data(),
-                        alternation_->pins().rank(), model.chunks(), rows_.data());
+  Form(model).TakeRotations();
   outcome->accepted =
       (is_plain_ && TryPlain(model, outcome)) || (!is_plain_ && TryModel(model, outcome));
   outcome->settled = outcome->settled && is_same_problem;
@@ -291,7 +310,7 @@ void TrustRegion<K>::LinearTerms(const PoseModel& model, double tau) {
       const double root =
           pins.system.root()(static_cast<Eigen::Index>(pin), static_cast<Eigen::Index>(p));
       for (size_t c = 0; c < K; ++c)
-        goal_[p * K + c] += root * targets_[pin * K + c];
+        goal_[c * pins.load_stride() + p] += root * targets_[pin * K + c];
     }
   }
 }
@@ -302,11 +321,11 @@ BlendReport TrustRegion<K>::SolveConvex(const PoseModel& model, double tau) {
   for (int i = 0; i < model.num_blocks; ++i)
     nearness_[static_cast<size_t>(i)] = scale * alternation_->NearnessBound(i);
   Term term(model, alternation_, scale);
-  Columns columns(model, *this);
+  ElasticForm<K> elastic = Form(model);
+  ModelForm form(model, *this, &elastic);
   BlendProblem problem;
-  problem.quadratic = &columns;
-  problem.num_rows = static_cast<int>(alternation_->pins().rank() * K);
-  problem.rows = rows_.data();
+  problem.form = &form;
+  problem.num_rows = elastic.num_rows();
   problem.goal = goal_.data();
   problem.nearness = nearness_.data();
   problem.nearness_term = &term;
@@ -314,40 +333,10 @@ BlendReport TrustRegion<K>::SolveConvex(const PoseModel& model, double tau) {
   problem.delta_squared = tau * smoothing_;
   problem.proximal = (kProximal + (1 - tau) / model.num_groups) * model.energy_scale;
   problem.matched = is_plain_ ? kMatched * model.energy_scale : -1;
-  if (!settings_.varying_blend) return SolveUniform(model, problem);
-  BlendWeightStep* step = alternation_->convex_step();
-  step->ForgetColumns();
-  const BlendReport report = step->Solve(problem, trial_.blend.data());
-  step->ForgetColumns();
-  return report;
-}
-
-// The same with all groups' weights the same, summed over groups.
-template <int K>
-BlendReport TrustRegion<K>::SolveUniform(const PoseModel& model, const BlendProblem& varying) {
-  const auto shapes = static_cast<size_t>(model.num_shapes);
-  const auto blocks = static_cast<size_t>(model.num_blocks);
-  std::copy_n(trial_.blend.begin(), shapes, uniform_blend_.begin());
-  std::fill(uniform_nearness_.begin(), uniform_nearness_.end(), 0.0);
-  std::fill(uniform_rows_.begin(), uniform_rows_.end(), 0.0);
-  for (size_t i = 0; i < blocks; ++i) {
-    uniform_nearness_[i % shapes] += varying.nearness_term->Exact(static_cast<int>(i));
-    for (size_t row = 0; row < static_cast<size_t>(varying.num_rows); ++row)
-      uniform_rows_[row * uniform_blend_.size() + i % shapes] += rows_[row * nearness_.size() + i];
-  }
-  UniformColumns<K> columns(model, varying.quadratic, &changes_);
-  BlendProblem problem = varying;
-  problem.quadratic = &columns;
-  problem.rows = uniform_rows_.data();
-  problem.nearness = uniform_nearness_.data();
-  problem.nearness_term = nullptr;  // exact already
-  problem.proximal *= model.num_groups;
-  BlendWeightStep* step = alternation_->convex_step();
-  step->ForgetColumns();
-  const BlendReport report = step->Solve(problem, uniform_blend_.data());
-  step->ForgetColumns();
-  for (size_t i = 0; i < blocks; ++i)
-    trial_.blend[i] = uniform_blend_[i % shapes];
+  ConvexStep* step = alternation_->convex_step();
+  step->Forget();
+  const BlendReport report = step->Solve(problem, settings_.varying_blend, trial_.blend.data());
+  step->Forget();
   return report;
 }
 
@@ -355,10 +344,9 @@ BlendReport TrustRegion<K>::SolveUniform(const PoseModel& model, const BlendProb
 template <int K>
 void TrustRegion<K>::PlaceTrial(const PoseModel& model) {
   const PinSet& pins = alternation_->pins();
-  for (size_t row = 0; row < pins.rank() * K; ++row) {
-    residual_[row] = goal_[row] - kernels_.dot(rows_.data() + row * trial_.blend.size(),
-                                               trial_.blend.data(), model.chunks());
-  }
+  trial_active_.Collect(trial_.blend, point_.rotations);
+  residual_ = goal_;
+  Form(model).TakeLoads(trial_active_, residual_.data());
   energy_.Wanted(model, trial_.blend, point_.rotations, trial_.modes.data());
   kernels_.add_scaled(-1, shift_.data(), shift_.size() / kBlockLanes, trial_.modes.data());
   energy_.AddPinned(pins, residual_.data(), trial_.modes.data());

@@ -87,9 +87,10 @@ class TrustRegion {
     double nearness = 0, objective = 0;
   };
 
-  class Columns;
+  class ModelForm;
   class Term;
 
+  ElasticForm<K> Form(const PoseModel& model);
   bool IsOurs(const Settings& settings, const Alternation<K>& alternation) const;
   void Restart(const PoseModel& model, Outcome* outcome);
   void LoadModes(const PoseModel& model);
@@ -99,7 +100,6 @@ class TrustRegion {
   bool Try(const PoseModel& model, double tau, Outcome* outcome);
   void LinearTerms(const PoseModel& model, double tau);
   BlendReport SolveConvex(const PoseModel& model, double tau);
-  BlendReport SolveUniform(const PoseModel& model, const BlendProblem& varying);
   void PlaceTrial(const PoseModel& model);
   void Move(const PoseModel& model, Outcome* outcome);
   double NearnessOf(const PoseModel& model, const AlignedVector<double>& blend);
@@ -122,11 +122,11 @@ class TrustRegion {
   AlignedVector<double> pulled_;           // K_z,i g, planes
   AlignedVector<double> linear_;           // l, [padded]
   double constant_ = 0;                    // c - l . B_0
-  AlignedVector<double> rows_;             // L^T V_j^T R_j^T: [q][K][padded]
-  AlignedVector<double> goal_, residual_;  // L^T (X + C eta) and e, [q][K]
-  AlignedVector<double> nearness_;         // of each weight, or less, [padded]
-  AlignedVector<double> changes_;          // [padded], scratch
-  AlignedVector<double> uniform_blend_, uniform_nearness_, uniform_rows_;
+  AlignedVector<double> goal_, residual_;  // L^T (X + C eta) and e, [K][load_stride]
+  ElasticMemory<K> memory_;                // of point_.rotations
+  ActiveBlocks<K> trial_active_;
+  AlignedVector<double> nearness_;  // of each weight, or less, [padded]
+  AlignedVector<double> changes_;   // [padded], scratch
   AlignedVector<double> transforms_;
 };
 

@@ -95,6 +95,62 @@ static inline __attribute__((always_inline)) Lanes SquareRoot(Lanes a) {
 #endif
 }
 
+// Four doubles, whatever the width: for matrices and rows that are no planes. (Of so many registers
+// as they take: one that holds them all is no argument for a function of the baseline.)
+constexpr size_t kQuadWidth = 4;
+constexpr size_t kQuadParts = kWidth < kQuadWidth ? kQuadWidth / kWidth : 1;
+
+#if defined(__AVX__)
+using QuadPart = double __attribute__((vector_size(kQuadWidth * sizeof(double))));
+#else
+using QuadPart = Lanes;
+#endif
+
+struct Quad {
+  QuadPart part[kQuadParts];
+
+  __attribute__((always_inline)) double operator[](size_t i) const {
+    return part[i / (kQuadWidth / kQuadParts)][i % (kQuadWidth / kQuadParts)];
+  }
+};
+
+static inline __attribute__((always_inline)) Quad LoadQuad(const double* from) {
+  Quad quad;
+  __builtin_memcpy(&quad, from, sizeof(quad));
+  return quad;
+}
+
+static inline __attribute__((always_inline)) void StoreQuad(const Quad& quad, double* to) {
+  __builtin_memcpy(to, &quad, sizeof(quad));
+}
+
+// value b + c.
+static inline __attribute__((always_inline)) Quad MulAdd(double value, const Quad& b,
+                                                         const Quad& c) {
+  Quad result;
+  for (size_t p = 0; p < kQuadParts; ++p) {
+#if defined(__FMA__)
+    result.part[p] = _mm256_fmadd_pd(_mm256_set1_pd(value), b.part[p], c.part[p]);
+#else
+    result.part[p] = MulAdd(Splat(value), b.part[p], c.part[p]);
+#endif
+  }
+  return result;
+}
+
+static inline __attribute__((always_inline)) Quad MulAdd(const Quad& a, const Quad& b,
+                                                         const Quad& c) {
+  Quad result;
+  for (size_t p = 0; p < kQuadParts; ++p) {
+#if defined(__FMA__)
+    result.part[p] = _mm256_fmadd_pd(a.part[p], b.part[p], c.part[p]);
+#else
+    result.part[p] = MulAdd(a.part[p], b.part[p], c.part[p]);
+#endif
+  }
+  return result;
+}
+
 // Of a whole chunk's lanes: (0+4)+(2+6) + (1+5)+(3+7) on every machine.
 static inline double Sum(const Lanes (&lanes)[kChunkParts]) {
   double a[kLanes];

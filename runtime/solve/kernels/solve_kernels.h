@@ -13,6 +13,8 @@
 namespace limber {
 
 constexpr size_t kBlockLanes = 8;
+// Small arrays that are no planes are worked on four numbers at a time.
+constexpr size_t kQuadLanes = 4;
 
 // Number of chunks that hold `count` things, and the room that they take. (Always inlined: a copy
 // compiled for AVX-512 must not become everyone's, see lanes.h.)
@@ -44,21 +46,33 @@ struct SolveKernels {
   void (*add_rows)(const double* rows, size_t stride, const double* scales, size_t count,
                    size_t chunks, double* y);
 
-  // column[i] = tr(R_i G_i R_j^T); strip: planes G (rows: i's axes, columns: j's) as
-  // [chunk][column] [row][8]; rotations: planes R; turn: R_j.
-  void (*rotate_column)(const double* strip, const double* rotations, const double* turn,
-                        size_t chunks, double* column);
-  // product_i += sum_j G_ij m_j^T; strips as above, `stride` numbers from one to the next; blocks:
-  // which of them j runs over; m: [count][K][K]; product: planes (row: i's axis).
+  // product_i += sum_j G_ij m_j^T; strips: of each j the planes G_ij (rows: i's axes, columns:
+  // j's) as [chunk][column][row][8], `stride` numbers from one j to the next; blocks: which of them
+  // j runs over; m: [count][K][K]; product: planes (row: i's axis).
   void (*add_products)(const double* strips, size_t stride, const int* blocks, const double* m,
                        size_t count, size_t chunks, double* product);
+  void (*add_float_products)(const float* strips, size_t stride, const int* blocks, const double* m,
+                             size_t count, size_t chunks, double* product);
+  // traces[i] = tr(R_i M_i); both planes.
+  void (*traces)(const double* rotations, const double* planes, size_t chunks, double* traces);
+
+  // The same matrices one by one: matrices: [j][i][K][K], `stride` numbers from one j to the next;
+  // product: [i][K][4] (columns past K mean nothing), of `num_blocks` blocks i.
+  void (*add_single_products)(const double* matrices, size_t stride, const int* blocks,
+                              const double* m, size_t count, size_t num_blocks, double* product);
+  // entries[n] = tr(R_i G_i R_j^T), i = blocks[n]; matrices: [i][K][K] of one j; columns: those of
+  // R_i, [i][K][4] with zeros past K; turn: those of R_j.
+  void (*turned_entries)(const double* matrices, const double* columns, const double* turn,
+                         const int* blocks, size_t count, double* entries);
+  // out(c, :) += sum_a m(c, a) rows(a, :); both [K][4 quads].
+  void (*add_turned_rows)(const double* m, const double* rows, size_t quads, double* out);
 
   // rows[(p*K + c)][i] = sum_a R_i(c, a) loads_i(a, p); loads: [chunk][a][pins][8].
   void (*rotate_loads)(const double* loads, const double* rotations, size_t pins, size_t chunks,
                        double* rows);
-  // product_i(a, c) += sum_p loads_i(a, p) values(p, c); values: [pins][K].
-  void (*add_loads)(const double* loads, const double* values, size_t pins, size_t chunks,
-                    double* product);
+  // product_i(a, c) += sum_p loads_i(a, p) values(c, p); values: [K][stride].
+  void (*add_loads)(const double* loads, const double* values, size_t pins, size_t stride,
+                    size_t chunks, double* product);
 
   // R_i = argmax tr(R fits_i) near the R_i given (warm start, and the choice where several serve
   // equally); fits, rotations: planes. failed[i] != 0: too far from the start, R_i is as it was.

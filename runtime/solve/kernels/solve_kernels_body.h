@@ -85,30 +85,6 @@ struct SplatMatrix {
   }
 };
 
-template <int K>
-static void RotateColumn(const double* strip, const double* rotations, const double* turn,
-                         size_t chunks, double* column) {
-  const SplatMatrix<K> m(turn);
-  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-    const double* matrix = strip + Offset(at, size_t{K} * K);
-    const double* rotation = rotations + Offset(at, size_t{K} * K);
-    Lanes sums[K] = {};
-    for (size_t a = 0; a < K; ++a) {
-      Lanes turned[K] = {};
-      for (size_t b = 0; b < K; ++b) {
-        const Lanes entry = Load(matrix + (b * K + a) * kLanes);
-        for (size_t c = 0; c < K; ++c)
-          turned[c] = MulAdd(entry, m(c, b), turned[c]);
-      }
-      for (size_t c = 0; c < K; ++c)
-        sums[c] = MulAdd(Load(rotation + (c * K + a) * kLanes), turned[c], sums[c]);
-    }
-    for (size_t c = 1; c < K; ++c)
-      sums[0] += sums[c];
-    Store(sums[0], column + at);
-  }
-}
-
 // out(:, c) += sum_b table(b, :) weight(c, b) over `count` entries b, `step` numbers apart.
 template <int K, typename Number, typename Weight>
 static inline __attribute__((always_inline)) void AddRow(const Number* table, size_t step,
@@ -126,18 +102,100 @@ static inline __attribute__((always_inline)) void AddRow(const Number* table, si
     Store(sum[c], out + c * kLanes);
 }
 
-// One strip after the other: each is read from its beginning to its end, as memory likes it.
-template <int K>
-static void AddProducts(const double* strips, size_t stride, const int* blocks, const double* m,
+// Chunks that are worked on at a time, so that the product stays in the nearest cache while pieces
+// of the strips, each long enough for memory to like it, pass by.
+constexpr size_t kProductTile = 32;
+
+template <int K, typename Number>
+static void AddProducts(const Number* strips, size_t stride, const int* blocks, const double* m,
                         size_t count, size_t chunks, double* product) {
-  for (size_t j = 0; j < count; ++j, m += K * K) {
-    const SplatMatrix<K> matrix(m);
-    const double* strip = strips + static_cast<size_t>(blocks[j]) * stride;
-    for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
-      const double* from = strip + Offset(at, size_t{K} * K);
-      double* to = product + Offset(at, size_t{K} * K);
+  for (size_t first = 0; first < chunks; first += kProductTile) {
+    const size_t end = first + kProductTile < chunks ? first + kProductTile : chunks;
+    for (size_t j = 0; j < count; ++j) {
+      const SplatMatrix<K> matrix(m + j * K * K);
+      const Number* strip = strips + static_cast<size_t>(blocks[j]) * stride;
+      for (size_t at = first * kLanes; at < end * kLanes; at += kWidth) {
+        const Number* from = strip + Offset(at, size_t{K} * K);
+        double* to = product + Offset(at, size_t{K} * K);
+        for (size_t a = 0; a < K; ++a)
+          AddRow<K>(from + a * kLanes, K * kLanes, K, matrix, to + a * K * kLanes);
+      }
+    }
+  }
+}
+
+template <int K>
+static void Traces(const double* rotations, const double* planes, size_t chunks, double* traces) {
+  for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
+    const double* rotation = rotations + Offset(at, size_t{K} * K);
+    const double* plane = planes + Offset(at, size_t{K} * K);
+    Lanes sum = {};
+    for (size_t c = 0; c < K; ++c) {
       for (size_t a = 0; a < K; ++a)
-        AddRow<K>(from + a * kLanes, K * kLanes, K, matrix, to + a * K * kLanes);
+        sum =
+            MulAdd(Load(rotation + (c * K + a) * kLanes), Load(plane + (a * K + c) * kLanes), sum);
+    }
+    Store(sum, traces + at);
+  }
+}
+
+template <int K>
+static void AddSingleProducts(const double* matrices, size_t stride, const int* blocks,
+                              const double* m, size_t count, size_t num_blocks, double* product) {
+  for (size_t j = 0; j < count; ++j, m += K * K) {
+    double columns[K * kQuadWidth] = {};  // of m
+    for (size_t b = 0; b < K; ++b) {
+      for (size_t c = 0; c < K; ++c)
+        columns[b * kQuadWidth + c] = m[c * K + b];
+    }
+    const double* matrix = matrices + static_cast<size_t>(blocks[j]) * stride;
+    double* out = product;
+    for (size_t i = 0; i < num_blocks * K; ++i, matrix += K, out += kQuadWidth) {
+      Quad sum = LoadQuad(out);
+      for (size_t b = 0; b < K; ++b)
+        sum = MulAdd(matrix[b], LoadQuad(columns + b * kQuadWidth), sum);
+      StoreQuad(sum, out);
+    }
+  }
+}
+
+// Matrices that are fetched ahead: they lie far apart.
+constexpr size_t kMatricesAhead = 12;
+
+template <int K>
+static void TurnedEntries(const double* matrices, const double* columns, const double* turn,
+                          const int* blocks, size_t count, double* entries) {
+  Quad turned[K];
+  for (size_t b = 0; b < K; ++b)
+    turned[b] = LoadQuad(turn + b * kQuadWidth);
+  for (size_t n = 0; n < count; ++n) {
+    if (n + kMatricesAhead < count) {
+      const double* ahead = matrices + static_cast<size_t>(blocks[n + kMatricesAhead]) * (K * K);
+      __builtin_prefetch(ahead);
+      __builtin_prefetch(ahead + K * K - 1);
+    }
+    const double* matrix = matrices + static_cast<size_t>(blocks[n]) * (K * K);
+    const double* column = columns + static_cast<size_t>(blocks[n]) * (K * kQuadWidth);
+    Quad sum = {};
+    for (size_t a = 0; a < K; ++a, matrix += K) {
+      Quad row = {};
+      for (size_t b = 0; b < K; ++b)
+        row = MulAdd(matrix[b], turned[b], row);
+      sum = MulAdd(LoadQuad(column + a * kQuadWidth), row, sum);
+    }
+    entries[n] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+}
+
+template <int K>
+static void AddTurnedRows(const double* m, const double* rows, size_t quads, double* out) {
+  const size_t stride = quads * kQuadWidth;
+  for (size_t at = 0; at < stride; at += kQuadWidth) {
+    for (size_t c = 0; c < K; ++c) {
+      Quad sum = LoadQuad(out + c * stride + at);
+      for (size_t a = 0; a < K; ++a)
+        sum = MulAdd(m[c * K + a], LoadQuad(rows + a * stride + at), sum);
+      StoreQuad(sum, out + c * stride + at);
     }
   }
 }
@@ -145,11 +203,15 @@ static void AddProducts(const double* strips, size_t stride, const int* blocks, 
 template <int K>
 static void AddTransforms(const float* tables, const int* blocks, const double* m, size_t count,
                           size_t chunks, double* out) {
-  for (size_t j = 0; j < count; ++j, m += K * K) {
-    const SplatMatrix<K> matrix(m);
-    const float* table = tables + static_cast<size_t>(blocks[j]) * chunks * (K * kLanes);
-    for (size_t at = 0; at < chunks * kLanes; at += kWidth)
-      AddRow<K>(table + Offset(at, K), kLanes, K, matrix, out + Offset(at, K));
+  constexpr size_t kTile = kProductTile * K;  // rows are so much smaller
+  for (size_t first = 0; first < chunks; first += kTile) {
+    const size_t end = first + kTile < chunks ? first + kTile : chunks;
+    for (size_t j = 0; j < count; ++j) {
+      const SplatMatrix<K> matrix(m + j * K * K);
+      const float* table = tables + static_cast<size_t>(blocks[j]) * chunks * (K * kLanes);
+      for (size_t at = first * kLanes; at < end * kLanes; at += kWidth)
+        AddRow<K>(table + Offset(at, K), kLanes, K, matrix, out + Offset(at, K));
+    }
   }
 }
 
@@ -187,12 +249,12 @@ static void RotateLoads(const double* loads, const double* rotations, size_t pin
 }
 
 template <int K>
-static void AddLoads(const double* loads, const double* values, size_t pins, size_t chunks,
-                     double* product) {
+static void AddLoads(const double* loads, const double* values, size_t pins, size_t stride,
+                     size_t chunks, double* product) {
   for (size_t at = 0; at < chunks * kLanes; at += kWidth) {
     const double* load = loads + Offset(at, K * pins);
     double* out = product + Offset(at, size_t{K} * K);
-    const auto value = [values](size_t c, size_t p) { return Splat(values[p * K + c]); };
+    const auto value = [=](size_t c, size_t p) { return Splat(values[c * stride + p]); };
     for (size_t a = 0; a < K; ++a, load += pins * kLanes, out += K * kLanes)
       AddRow<K>(load, kLanes, pins, value, out);
   }

@@ -1,6 +1,7 @@
 // The convex step on random problems, most of them degenerate in a way that characters are: each
 // answer carries a certificate of optimality, and a general optimiser finds nothing better.
 #include "runtime/convex_oracle/ipopt_solver.h"
+#include "runtime/solve/dense_form.h"
 #include "solve/blend_weight_step.h"
 
 #include <gtest/gtest.h>
@@ -103,19 +104,6 @@ RandomCase Make(Kind kind, unsigned seed, bool square_root) {
   return random;
 }
 
-class DenseColumns final : public QuadraticColumns {
- public:
-  explicit DenseColumns(const MatrixXd& q) : q_(q) {}
-
-  void Column(int block, double* column) override {
-    std::fill_n(column, PaddedSize(static_cast<size_t>(q_.rows())), 0.0);
-    std::copy_n(q_.col(block).data(), q_.rows(), column);
-  }
-
- private:
-  const MatrixXd& q_;
-};
-
 // The runtime's step, called until B rests as frames do (the proximal term vanishes there). As in
 // a character a part of f is given as rows with a goal, the other, which has none, as a quadratic
 // form: an orthogonal turn of the rows moves all of the goal into the first one.
@@ -132,14 +120,10 @@ VectorXd SolveFast(const RandomCase& random, BlendReport* report) {
     goal -= 2 / squared * axis.dot(goal) * axis;
   }
   const MatrixXd rest = factor.bottomRows(rows - 1);
-  const MatrixXd quadratic = rest.transpose() * rest;
-  VectorXd row = VectorXd::Zero(static_cast<Index>(PaddedSize(static_cast<size_t>(size))));
-  row.head(size) = factor.row(0).transpose();
-  DenseColumns columns(quadratic);
+  test::DenseForm form(rest.transpose() * rest, factor.topRows(1));
   BlendProblem problem;
-  problem.quadratic = &columns;
+  problem.form = &form;
   problem.num_rows = 1;
-  problem.rows = row.data();
   problem.goal = goal.data();
   problem.nearness = p.linear.data();
   problem.square_root = p.square_root;

@@ -11,6 +11,8 @@
 
 #include <Eigen/Geometry>
 
+#include <numeric>
+
 namespace limber {
 namespace {
 
@@ -141,7 +143,11 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
           state.rotations[size_t(i)](entry / 3, entry % 3);
     }
   }
-  RotatedColumns<3> columns(*model_, planes);
+  ElasticMemory<3> memory(*model_);
+  ElasticForm<3> form(*model_, *model_->pins, planes, nullptr, &memory);
+  form.TakeRotations();
+  std::vector<int> all(static_cast<size_t>(model_->num_blocks));
+  std::iota(all.begin(), all.end(), 0);
   // K_z C^T, of which f's other part is made: 1/2 tr(d^T W d), d = X - sum_j B_j V_j^T R_j^T.
   const RigTables& tables = rig_->tables();
   const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
@@ -154,14 +160,14 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
   for (int j = 0; j < model_->num_blocks; ++j)
     gap -= state.blend[size_t(j)] * turned(j);
   const double step = 1e-4;
-  std::vector<double> column(model_->chunks() * 8);
+  std::vector<double> column(all.size());
   for (int i = 0; i < model_->num_blocks; ++i) {
     std::vector<double> up = state.blend, down = state.blend;
     up[static_cast<size_t>(i)] += step;
     down[static_cast<size_t>(i)] -= step;
     const double differences = (value(up) - value(down)) / (2 * step);
     double slope = -(turned(i).transpose() * model_->pins->system.response() * gap).trace();
-    columns.Column(i, column.data());
+    form.Entries(i, all.data(), all.size(), column.data());
     for (int j = 0; j < model_->num_blocks; ++j)
       slope += column[size_t(j)] * state.blend[size_t(j)];
     EXPECT_NEAR(slope, differences, 1e-5 * model_->energy_scale) << "block " << i;

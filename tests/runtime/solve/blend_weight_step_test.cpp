@@ -1,6 +1,8 @@
 // The convex step against its optimality conditions and against an independent, slow solver.
 #include "solve/blend_weight_step.h"
 
+#include "runtime/solve/dense_form.h"
+
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
@@ -9,19 +11,6 @@
 
 namespace limber {
 namespace {
-
-class DenseColumns final : public QuadraticColumns {
- public:
-  explicit DenseColumns(const Eigen::MatrixXd& q) : q_(q) {}
-
-  void Column(int block, double* column) override {
-    std::fill_n(column, PaddedSize(static_cast<size_t>(q_.rows())), 0.0);
-    std::copy_n(q_.col(block).data(), q_.rows(), column);
-  }
-
- private:
-  const Eigen::MatrixXd& q_;
-};
 
 // f(B) = 1/2 |A B - a|^2.
 struct RandomProblem {
@@ -56,23 +45,17 @@ RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
 }
 
 // Calls Solve until B rests, as frames do: the proximal term vanishes there.
-Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report) {
+Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report, double roughness = 0) {
   // Rows with a target are given as rows, the others, multiplied out, as the quadratic form.
   std::vector<int> with, without;
   for (int row = 0; row < p.a.rows(); ++row)
     (p.target[row] != 0 ? with : without).push_back(row);
   const Eigen::MatrixXd rest = p.a(without, Eigen::all);
-  const Eigen::MatrixXd q = rest.transpose() * rest;
   const Eigen::VectorXd goal = p.target(with);
-  const auto padded = static_cast<Eigen::Index>(PaddedSize(static_cast<size_t>(p.a.cols())));
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows =
-      Eigen::MatrixXd::Zero(goal.size(), padded);
-  rows.leftCols(p.a.cols()) = p.a(with, Eigen::all);
-  DenseColumns columns(q);
+  test::DenseForm form(rest.transpose() * rest, p.a(with, Eigen::all), roughness);
   BlendProblem problem;
-  problem.quadratic = &columns;
+  problem.form = &form;
   problem.num_rows = static_cast<int>(goal.size());
-  problem.rows = rows.data();
   problem.goal = goal.data();
   problem.nearness = p.nearness.data();
   problem.square_root = p.square_root;
@@ -198,6 +181,27 @@ TEST(BlendWeightStep, TargetThatAMixMatchesExactly_IsFoundAtTheKink) {
     const Eigen::VectorXd b = SolveFast(p, &report);
     EXPECT_LT((b - mix).cwiseAbs().maxCoeff(), 1e-5) << seed;
   }
+}
+
+// However rough the gradient is, as long as it says so, the answer is the exact one's.
+TEST(BlendWeightStep, RoughGradient_ChangesNoAnswer) {
+  double far_off = 0;
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    RandomProblem p = Make(5, 4, 12, seed);
+    p.square_root = seed % 2 == 0;
+    for (int i = 0; i < p.start.size(); ++i)
+      p.start[i] = i % p.shapes == 0 ? 1 : 0;  // all others are yet to be found
+    BlendReport report;
+    const Eigen::VectorXd exact = SolveFast(p, &report);
+    far_off = std::max(far_off, (exact - p.start).norm());
+    for (const double roughness : {1e-6, 1e-2, 3.0}) {
+      const Eigen::VectorXd b = SolveFast(p, &report, roughness);
+      EXPECT_TRUE(report.converged) << seed;
+      EXPECT_NEAR(p.Objective(b), p.Objective(exact), 1e-9) << seed << ' ' << roughness;
+      EXPECT_LT((b - exact).cwiseAbs().maxCoeff(), 1e-5) << seed << ' ' << roughness;
+    }
+  }
+  EXPECT_GT(far_off, 0.5) << "there must be something to find";
 }
 
 TEST(BlendWeightStep, NothingToChooseBy_KeepsTheStart) {

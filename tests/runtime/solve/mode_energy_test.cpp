@@ -100,7 +100,8 @@ class ModeEnergyCase {
     for (int i = 0; i < 5; ++i)
       alternation.Run(*model, {});
     energy.Wanted(*model, alternation.blend(), alternation.rotations(), modes.data());
-    AlignedVector<double> values(alternation.targets.size());
+    const size_t stride = model->pins->load_stride();
+    AlignedVector<double> values(K * stride);
     energy.AtPins(*model->pins, modes.data(), values.data());
     for (size_t p = 0; p < model->pins->rank(); ++p) {
       for (size_t c = 0; c < K; ++c) {
@@ -109,7 +110,7 @@ class ModeEnergyCase {
           goal += model->pins->system.root()(static_cast<Eigen::Index>(pin),
                                              static_cast<Eigen::Index>(p)) *
                   alternation.targets[pin * K + c];
-        values[p * K + c] = goal - values[p * K + c];
+        values[c * stride + p] = goal - values[c * stride + p];
       }
     }
     energy.AddPinned(*model->pins, values.data(), modes.data());

@@ -118,63 +118,166 @@ TYPED_TEST(SolveKernelsTest, VectorSums_AreTheirFormulas) {
   this->ExpectSameBits(run);
 }
 
-TYPED_TEST(SolveKernelsTest, Columns_AreTheirFormula) {
+TYPED_TEST(SolveKernelsTest, Traces_AreTheirFormula) {
   constexpr int K = TypeParam::value;
-  const auto strip = this->numbers_.Some(this->chunks_ * kBlockLanes * K * K);
+  const auto planes = this->numbers_.Some(this->chunks_ * kBlockLanes * K * K);
   const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
-  const auto m = this->numbers_.Some(K * K);
   const auto run = [&](const SolveKernels& set) {
-    AlignedVector<double> column(this->chunks_ * kBlockLanes);
-    set.rotate_column(strip.data(), rotations.data(), m.data(), this->chunks_, column.data());
-    return column;
+    AlignedVector<double> traces(this->chunks_ * kBlockLanes);
+    set.traces(rotations.data(), planes.data(), this->chunks_, traces.data());
+    return traces;
   };
   this->ForEachSet([&](const SolveKernels& set) {
-    const AlignedVector<double> column = run(set);
+    const AlignedVector<double> traces = run(set);
     for (size_t i = 0; i < kBlocks; ++i) {
-      // The strip's planes are (column, row).
-      const Eigen::Matrix<double, K, K> g = MatrixOfBlock<K>(strip.data(), i).transpose();
       const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
-      EXPECT_NEAR(column[i], (rotation * g * RowMajor<K>(m.data()).transpose()).trace(), 1e-14);
+      EXPECT_NEAR(traces[i], (rotation * MatrixOfBlock<K>(planes.data(), i)).trace(), 1e-14);
     }
   });
   this->ExpectSameBits(run);
 }
 
-// Of some of the strips, more and fewer than are worked on at once.
+// R by columns, each with zeros up to four numbers.
+template <int K>
+AlignedVector<double> ColumnsOf(const AlignedVector<double>& rotations) {
+  AlignedVector<double> columns(kBlocks * K * kQuadLanes);
+  for (size_t i = 0; i < kBlocks; ++i) {
+    for (size_t c = 0; c < K; ++c) {
+      for (size_t a = 0; a < K; ++a)
+        columns[(i * K + a) * kQuadLanes + c] = rotations[PlaneIndex<K>(i, c, a)];
+    }
+  }
+  return columns;
+}
+
+// Of some blocks, more than are fetched ahead.
+TYPED_TEST(SolveKernelsTest, TurnedEntries_AreTheirFormula) {
+  constexpr int K = TypeParam::value;
+  std::vector<int> blocks;
+  for (int i = 0; i < static_cast<int>(kBlocks); ++i) {
+    if (i % 4 != 2) blocks.push_back(i);
+  }
+  const auto matrices = this->numbers_.Some(kBlocks * K * K);
+  const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
+  const AlignedVector<double> columns = ColumnsOf<K>(rotations);
+  const size_t j = 5;
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> entries(blocks.size());
+    set.turned_entries(matrices.data(), columns.data(), columns.data() + j * K * kQuadLanes,
+                       blocks.data(), blocks.size(), entries.data());
+    return entries;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> entries = run(set);
+    const Eigen::Matrix<double, K, K> turn = MatrixOfBlock<K>(rotations.data(), j);
+    for (size_t n = 0; n < blocks.size(); ++n) {
+      const auto i = static_cast<size_t>(blocks[n]);
+      const Eigen::Matrix<double, K, K> matrix = RowMajor<K>(matrices.data() + i * K * K);
+      const Eigen::Matrix<double, K, K> rotation = MatrixOfBlock<K>(rotations.data(), i);
+      EXPECT_NEAR(entries[n], (rotation * matrix * turn.transpose()).trace(), 1e-14);
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+TYPED_TEST(SolveKernelsTest, ProductsOfSingleMatrices_AreTheirFormula) {
+  constexpr int K = TypeParam::value;
+  const std::vector<int> blocks = {0, 3, 4};
+  const size_t stride = kBlocks * K * K;
+  const auto matrices = this->numbers_.Some(5 * stride);
+  const auto m = this->numbers_.Some(blocks.size() * K * K);
+  const auto start = this->numbers_.Some(kBlocks * K * kQuadLanes);
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> product(start);
+    set.add_single_products(matrices.data(), stride, blocks.data(), m.data(), blocks.size(),
+                            kBlocks, product.data());
+    return product;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> product = run(set);
+    for (size_t i = 0; i < kBlocks; ++i) {
+      Eigen::Matrix<double, K, K> expected = Eigen::Matrix<double, K, K>::Zero();
+      for (size_t n = 0; n < blocks.size(); ++n) {
+        expected += RowMajor<K>(matrices.data() + size_t(blocks[n]) * stride + i * K * K) *
+                    RowMajor<K>(m.data() + n * K * K).transpose();
+      }
+      for (size_t a = 0; a < K; ++a) {
+        for (size_t c = 0; c < K; ++c) {
+          const size_t at = (i * K + a) * kQuadLanes + c;
+          EXPECT_NEAR(product[at] - start[at], expected(Eigen::Index(a), Eigen::Index(c)), 1e-14);
+        }
+      }
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+TYPED_TEST(SolveKernelsTest, TurnedRows_AreTheirFormula) {
+  constexpr int K = TypeParam::value;
+  const size_t quads = 3, stride = quads * kQuadLanes;
+  const auto rows = this->numbers_.Some(K * stride), start = this->numbers_.Some(K * stride);
+  const auto m = this->numbers_.Some(K * K);
+  const auto run = [&](const SolveKernels& set) {
+    AlignedVector<double> out(start);
+    set.add_turned_rows(m.data(), rows.data(), quads, out.data());
+    return out;
+  };
+  this->ForEachSet([&](const SolveKernels& set) {
+    const AlignedVector<double> out = run(set);
+    for (size_t at = 0; at < out.size(); ++at) {
+      double expected = start[at];
+      for (size_t a = 0; a < K; ++a)
+        expected += m[at / stride * K + a] * rows[a * stride + at % stride];
+      EXPECT_NEAR(out[at], expected, 1e-14);
+    }
+  });
+  this->ExpectSameBits(run);
+}
+
+// Of some of the strips, in single precision and in double, of fewer chunks than are worked on at
+// once and of more.
 TYPED_TEST(SolveKernelsTest, Products_AreTheirFormula) {
   constexpr int K = TypeParam::value;
   const std::vector<int> blocks = {0, 2, 3, 4, 7, 8};
-  const size_t size = this->chunks_ * kBlockLanes * K * K;
-  const auto strips = this->numbers_.Some(9 * size);
-  const auto m = this->numbers_.Some(blocks.size() * K * K);
-  const auto start = this->numbers_.Some(size);
-  for (size_t count = 0; count <= blocks.size(); ++count) {
-    const auto run = [&](const SolveKernels& set) {
-      AlignedVector<double> results(start);
-      set.add_products(strips.data(), size, blocks.data(), m.data(), count, this->chunks_,
-                       results.data());
-      return results;
-    };
-    this->ForEachSet([&](const SolveKernels& set) {
-      const AlignedVector<double> results = run(set);
-      for (size_t i = 0; i < kBlocks; ++i) {
-        Eigen::Matrix<double, K, K> expected = MatrixOfBlock<K>(start.data(), i);
-        for (size_t j = 0; j < count; ++j) {
-          expected += MatrixOfBlock<K>(strips.data() + size_t(blocks[j]) * size, i).transpose() *
-                      RowMajor<K>(m.data() + j * K * K).transpose();
+  for (const size_t chunks : {size_t{3}, size_t{32}, size_t{67}}) {
+    const size_t size = chunks * kBlockLanes * K * K;
+    const auto numbers = this->numbers_.Some(9 * size);
+    const AlignedVector<float> floats(numbers.begin(), numbers.end());
+    const AlignedVector<double> strips(floats.begin(), floats.end());
+    const auto m = this->numbers_.Some(blocks.size() * K * K);
+    const auto start = this->numbers_.Some(size);
+    for (size_t count = 0; count <= blocks.size(); count += 3) {
+      const auto run = [&](const SolveKernels& set) {
+        AlignedVector<double> results(start);
+        set.add_products(strips.data(), size, blocks.data(), m.data(), count, chunks,
+                         results.data());
+        return results;
+      };
+      this->ForEachSet([&](const SolveKernels& set) {
+        const AlignedVector<double> results = run(set);
+        for (size_t i = 0; i < chunks * kBlockLanes; ++i) {
+          Eigen::Matrix<double, K, K> expected = MatrixOfBlock<K>(start.data(), i);
+          for (size_t j = 0; j < count; ++j) {
+            expected += MatrixOfBlock<K>(strips.data() + size_t(blocks[j]) * size, i).transpose() *
+                        RowMajor<K>(m.data() + j * K * K).transpose();
+          }
+          EXPECT_LT((MatrixOfBlock<K>(results.data(), i) - expected).norm(), 1e-13);
         }
-        EXPECT_LT((MatrixOfBlock<K>(results.data(), i) - expected).norm(), 1e-13);
-      }
-    });
-    this->ExpectSameBits(run);
+        AlignedVector<double> same(start);
+        set.add_float_products(floats.data(), size, blocks.data(), m.data(), count, chunks,
+                               same.data());
+        EXPECT_EQ(same, results);
+      });
+      this->ExpectSameBits(run);
+    }
   }
 }
 
-// Of one, two and three chunks of rows.
+// Of fewer chunks of rows than are worked on at once and of more.
 TYPED_TEST(SolveKernelsTest, Transforms_AreTheirFormula) {
   constexpr int K = TypeParam::value;
   const std::vector<int> blocks = {1, 2, 4};
-  for (size_t chunks = 1; chunks <= 3; ++chunks) {
+  for (const size_t chunks : {size_t{1}, size_t{2}, size_t{3}, size_t{100}}) {
     const size_t size = chunks * K * kBlockLanes;
     const auto doubles = this->numbers_.Some(5 * size);
     const AlignedVector<float> tables(doubles.begin(), doubles.end());
@@ -227,13 +330,13 @@ TYPED_TEST(SolveKernelsTest, RotationChanges_AreNorms) {
 
 TYPED_TEST(SolveKernelsTest, PinLoads_AreTheirFormulas) {
   constexpr int K = TypeParam::value;
-  const size_t pins = 5, padded = this->chunks_ * kBlockLanes;
+  const size_t pins = 5, stride = 6, padded = this->chunks_ * kBlockLanes;
   const auto loads = this->numbers_.Some(padded * K * pins);
   const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
-  const auto values = this->numbers_.Some(pins * K), start = this->numbers_.Some(padded * K * K);
+  const auto values = this->numbers_.Some(stride * K), start = this->numbers_.Some(padded * K * K);
   const auto run = [&](const SolveKernels& set) {
     AlignedVector<double> results(start);
-    set.add_loads(loads.data(), values.data(), pins, this->chunks_, results.data());
+    set.add_loads(loads.data(), values.data(), pins, stride, this->chunks_, results.data());
     AlignedVector<double> rows(pins * K * padded);
     set.rotate_loads(loads.data(), rotations.data(), pins, this->chunks_, rows.data());
     results.insert(results.end(), rows.begin(), rows.end());
@@ -250,7 +353,7 @@ TYPED_TEST(SolveKernelsTest, PinLoads_AreTheirFormulas) {
         for (int a = 0; a < K; ++a) {
           double sum = start[PlaneIndex<K>(i, size_t(a), size_t(c))];
           for (size_t p = 0; p < pins; ++p)
-            sum += load(i, a, p) * values[p * K + size_t(c)];
+            sum += load(i, a, p) * values[size_t(c) * stride + p];
           EXPECT_NEAR(results[PlaneIndex<K>(i, size_t(a), size_t(c))], sum, 1e-14);
         }
         for (size_t p = 0; p < pins; ++p) {
