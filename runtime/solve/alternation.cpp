@@ -81,7 +81,7 @@ void Alternation<K>::ResetToRest(const PoseModel& model) {
 }
 
 template <int K>
-void Alternation<K>::UsePins(const PoseModel&, const PinSet& pins) {
+void Alternation<K>::UsePins(const PinSet& pins) {
   pins_ = &pins;
   convex_step_.Forget();
 }
@@ -208,9 +208,9 @@ typename Alternation<K>::Outcome Alternation<K>::Run(const PoseModel& model,
   Outcome outcome;
   StageWatch watch(settings.stages);
   settings_ = settings;
-  UpdateTurns();
   UpdateGoal();
   if (settings.rotations) {
+    UpdateTurns();
     outcome.change = FitRotations(model);
   } else {
     HoldRotationsAtIdentity(model);

@@ -54,7 +54,7 @@ class Alternation {
   const PinSet& pins() const { return *pins_; }
 
   // What is held from now on; the targets are to be set anew. Outlives its use here.
-  void UsePins(const PoseModel& model, const PinSet& pins);
+  void UsePins(const PinSet& pins);
 
   // The linear term of the convex step, lambda sqrt(D) or lambda D.
   class Term;

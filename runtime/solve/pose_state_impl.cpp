@@ -82,7 +82,7 @@ void PoseState::Impl::ResetToRest() {
   is_smoothed_ = false;
   std::visit(
       [this](auto& unknowns) {
-        unknowns.alternation.UsePins(*model, *model->pins);
+        unknowns.alternation.UsePins(*model->pins);
         held.StoreTargets(unknowns.alternation.targets.data(),
                           unknowns.alternation.turn_targets().data());
         unknowns.alternation.ResetToRest(*model);
@@ -174,7 +174,7 @@ void PoseState::Impl::SetTargets(const PoseOptions& options, Unknowns<K>* unknow
   Alternation<K>& alternation = unknowns->alternation;
   bool pins_changed = false;
   const PinSet& pins = held.Pins(*model, &pins_changed);
-  if (pins_changed) alternation.UsePins(*model, pins);
+  if (pins_changed) alternation.UsePins(pins);
   if (pins_changed && unknowns->guarded != nullptr) unknowns->guarded->Forget();
   held.StoreTargets(alternation.targets.data(), alternation.turn_targets().data());
   if (options.stretch_limit == 0) return;
