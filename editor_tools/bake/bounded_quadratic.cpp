@@ -65,9 +65,22 @@ ArrayXd FractionsToBoundary(const Iterate& at, const Step& step) {
   return fractions;
 }
 
-Iterate Moved(const Iterate& at, const Step& step, const ArrayXd& fractions) {
-  return {at.x + step.x.colwise() * fractions, at.t - step.x.colwise() * fractions,
-          at.z + step.z.colwise() * fractions, at.v + step.v.colwise() * fractions};
+// What the complementarity would be after those fractions of the step.
+ArrayXd ComplementarityAfter(const Iterate& at, const Step& step, const ArrayXd& fractions) {
+  ArrayXd sums = ArrayXd::Zero(at.x.rows());
+  for (Index i = 0; i < at.x.cols(); ++i) {
+    const auto dx = fractions * step.x.col(i);
+    sums += (at.x.col(i) + dx) * (at.z.col(i) + fractions * step.z.col(i)) +
+            (at.t.col(i) - dx) * (at.v.col(i) + fractions * step.v.col(i));
+  }
+  return sums;
+}
+
+void Move(const Step& step, const ArrayXd& fractions, Iterate* at) {
+  at->x += step.x.colwise() * fractions;
+  at->t -= step.x.colwise() * fractions;
+  at->z += step.z.colwise() * fractions;
+  at->v += step.v.colwise() * fractions;
 }
 
 // One call's work: all its problems in units in which the largest gradient at zero is one.
@@ -116,6 +129,8 @@ class LaneSolver {
   }
 
  private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   BoundedQuadraticReport& report(size_t lane) {
     return reports_[static_cast<size_t>(problems_[lane])];
   }
@@ -155,10 +170,9 @@ class LaneSolver {
   // Where the problem without bounds has its optimum, brought inside them: near the middle of the
   // bounds nothing is known yet of what lies at which, and several steps are spent to find out.
   void Begin() {
-    const ArrayXXd diagonal = ArrayXXd::Constant(num_lanes_, linear_.cols(), kStartDiagonal);
+    diagonal_ = ArrayXXd::Constant(num_lanes_, linear_.cols(), kStartDiagonal);
     at_.x = -linear_;
-    Factorise(diagonal);
-    cholesky_.Solve(factor_, num_lanes_, at_.x.data(), &scratch_);
+    FactoriseAndSolve(at_.x.data());
     for (Index lane = 0; lane < num_lanes_; ++lane) {
       if (!is_active_[static_cast<size_t>(lane)]) at_.x.row(lane).setConstant(0.5);
     }
@@ -170,25 +184,23 @@ class LaneSolver {
     at_.v = (-gradient_).max(0.0) + kStartProduct / at_.t;
   }
 
-  // Of Q and a diagonal, the latter one where a lane is at rest; a lane that is not definite rests.
-  void Factorise(ArrayXXd diagonal) {
+  // Of Q and diagonal_, the latter one where a lane is at rest; a lane that is not definite rests.
+  void FactoriseAndSolve(double* x) {
     std::array<double, LaneCholesky::kMany> scales = scales_;
     for (Index lane = 0; lane < num_lanes_; ++lane) {
       if (is_active_[static_cast<size_t>(lane)]) continue;
-      diagonal.row(lane).setOnes();
+      diagonal_.row(lane).setOnes();
       scales[static_cast<size_t>(lane)] = 0;
     }
-    std::array<bool, LaneCholesky::kMany> definite = {};
-    cholesky_.Factorise(scales.data(), diagonal.data(), num_lanes_, &factor_, definite.data());
+    cholesky_.FactoriseAndSolve(scales.data(), diagonal_.data(), num_lanes_, &factor_, x);
     for (size_t lane = 0; lane < is_active_.size(); ++lane)
-      is_active_[lane] = is_active_[lane] && definite[lane];
+      is_active_[lane] = is_active_[lane] && factor_.definite[lane];
   }
 
   void UpdateGradients() {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const RowMajor> x(at_.x.data(), at_.x.cols(), num_lanes_);
-    const RowMajor product = Q_ * x;
-    Qx_ = Eigen::Map<const ArrayXXd>(product.data(), num_lanes_, at_.x.cols()).colwise() *
+    product_.noalias() = Q_ * x;
+    Qx_ = Eigen::Map<const ArrayXXd>(product_.data(), num_lanes_, at_.x.cols()).colwise() *
           Eigen::Map<const ArrayXd>(scales_.data(), num_lanes_);
     gradient_ = Qx_ + linear_;
     dual_residual_ = gradient_ - at_.z + at_.v;
@@ -210,16 +222,14 @@ class LaneSolver {
   }
 
   // The Newton step towards x z = lower and t v = upper (elementwise), by elimination of the
-  // multipliers: (Q + z/x + v/t) dx = -dual residual + (lower/x - z) - (upper/t - v).
-  Step SolveStep(const ArrayXXd& lower, const ArrayXXd& upper) {
-    const ArrayXXd to_z = lower / at_.x - at_.z;
-    const ArrayXXd to_v = upper / at_.t - at_.v;
-    Step step;
-    step.x = to_z - to_v - dual_residual_;
-    cholesky_.Solve(factor_, num_lanes_, step.x.data(), &scratch_);
-    step.z = to_z - at_.z / at_.x * step.x;
-    step.v = to_v + at_.v / at_.t * step.x;
-    return step;
+  // multipliers: (Q + z/x + v/t) dx = -dual residual + (lower/x - z) - (upper/t - v), for which
+  // `solve` is called with the right sides in step->x. lower, upper: array expressions.
+  template <class Lower, class Upper, class Solve>
+  void FindStep(const Lower& lower, const Upper& upper, const Solve& solve, Step* step) const {
+    step->x = (lower / at_.x - at_.z) - (upper / at_.t - at_.v) - dual_residual_;
+    solve(step->x.data());
+    step->z = lower / at_.x - at_.z - at_.z / at_.x * step->x;
+    step->v = upper / at_.t - at_.v + at_.v / at_.t * step->x;
   }
 
   // Lanes at rest are worked on along with the others, to no effect.
@@ -227,34 +237,38 @@ class LaneSolver {
     for (size_t lane = 0; lane < is_active_.size(); ++lane) {
       if (is_active_[lane]) ++report(lane).iterations;
     }
-    Factorise(at_.z / at_.x + at_.v / at_.t);
-    const ArrayXXd zero = ArrayXXd::Zero(num_lanes_, at_.x.cols());
-    const Step affine = SolveStep(zero, zero);
+    diagonal_ = at_.z / at_.x + at_.v / at_.t;
+    const auto zero = ArrayXXd::Zero(num_lanes_, at_.x.cols());
+    FindStep(
+        zero, zero, [this](double* x) { FactoriseAndSolve(x); }, &affine_);
     const double count = static_cast<double>(2 * at_.x.cols());
     const ArrayXd mu = complementarity_ / count;
     const ArrayXd mu_affine =
-        Moved(at_, affine, FractionsToBoundary(at_, affine)).Complementarity() / count;
+        ComplementarityAfter(at_, affine_, FractionsToBoundary(at_, affine_)) / count;
     const ArrayXd centred = mu * (mu_affine / mu).cube();
-    const ArrayXXd corrections = affine.x * affine.z, upper_corrections = affine.x * affine.v;
-    const Step step =
-        SolveStep((-corrections).colwise() + centred, upper_corrections.colwise() + centred);
-    const ArrayXd fractions = (kStepToBoundary * FractionsToBoundary(at_, step)).min(1.0);
-    const Iterate next = Moved(at_, step, fractions);
-    for (size_t lane = 0; lane < is_active_.size(); ++lane) {
-      if (is_active_[lane]) is_active_[lane] = Adopt(next, static_cast<Index>(lane));
-    }
+    FindStep((-affine_.x * affine_.z).colwise() + centred,
+             (affine_.x * affine_.v).colwise() + centred,
+             [this](double* x) { cholesky_.Solve(&factor_, x); }, &step_);
+    ArrayXd fractions = (kStepToBoundary * FractionsToBoundary(at_, step_)).min(1.0);
+    LimitToActive(&fractions);
+    Move(step_, fractions, &at_);
   }
 
-  bool Adopt(const Iterate& next, Index lane) {
-    if (!next.x.row(lane).allFinite() || !next.z.row(lane).allFinite() ||
-        !next.v.row(lane).allFinite()) {
-      return false;
+  // Lanes at rest do not move, and lanes whose step is not finite rest from now on.
+  void LimitToActive(ArrayXd* fractions) {
+    ArrayXd nothing = ArrayXd::Zero(num_lanes_);  // or not a number
+    for (Index i = 0; i < step_.x.cols(); ++i) {
+      nothing += (step_.x.col(i) - step_.x.col(i)) + (step_.z.col(i) - step_.z.col(i)) +
+                 (step_.v.col(i) - step_.v.col(i));
     }
-    at_.x.row(lane) = next.x.row(lane);
-    at_.t.row(lane) = next.t.row(lane);
-    at_.z.row(lane) = next.z.row(lane);
-    at_.v.row(lane) = next.v.row(lane);
-    return true;
+    for (Index lane = 0; lane < num_lanes_; ++lane) {
+      bool& is_active = is_active_[static_cast<size_t>(lane)];
+      is_active = is_active && nothing(lane) == 0;
+      if (!is_active) (*fractions)(lane) = 0;
+      for (ArrayXXd* rows : {&step_.x, &step_.z, &step_.v}) {
+        if (nothing(lane) != 0) rows->row(lane).setZero();
+      }
+    }
   }
 
   const Eigen::SparseMatrix<double>& Q_;
@@ -267,9 +281,11 @@ class LaneSolver {
   std::array<bool, LaneCholesky::kMany> is_active_ = {};
   ArrayXXd linear_;  // c
   Iterate at_;
-  ArrayXXd Qx_, gradient_, dual_residual_;
+  Step affine_, step_;
+  RowMajor product_;
+  ArrayXXd Qx_, gradient_, dual_residual_, diagonal_;
   ArrayXd complementarity_, sizes_;
-  std::vector<double> factor_, scratch_;
+  LaneCholesky::Factor factor_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "bake/lane_cholesky.h"
 
-#include "bake/lane_cholesky_kernels.h"
 #include "bake/nested_dissection.h"
+#include "bake/parallel_for.h"
 
 #include <Eigen/OrderingMethods>
 
@@ -16,7 +16,7 @@ using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int
 
 // Supernodes are merged where what is stored and multiplied for nothing stays below this share.
 constexpr double kWastedShare = 0.15;
-constexpr int kWidest = 32;
+constexpr int kWidest = 64;
 
 // [n]: the first row below the diagonal of each column of L, -1 for none (Liu's algorithm).
 std::vector<int> EliminationTree(const SparseMatrix<double>& Q) {
@@ -132,10 +132,14 @@ Analysis Analyse(const SparseMatrix<double>& Q, std::vector<int> new_of_old) {
 
 // Minimum degree is the better order of small and ragged meshes, nested dissection of large and
 // regular ones; both are tried.
-LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q) {
-  Analysis analysis = Analyse(Q, MinimumDegree(Q));
-  Analysis other = Analyse(Q, NestedDissection(Q));
-  if (other.work < analysis.work) std::swap(analysis, other);
+LaneCholesky::LaneCholesky(const SparseMatrix<double>& Q, const CholeskyKernels& kernels)
+    : kernels_(kernels) {
+  std::array<Analysis, 2> orders;
+  ParallelFor(2, 0, [&](int which) {
+    orders[static_cast<size_t>(which)] =
+        Analyse(Q, which == 0 ? MinimumDegree(Q) : NestedDissection(Q));
+  });
+  Analysis& analysis = orders[1].work < orders[0].work ? orders[1] : orders[0];
   new_of_old_ = std::move(analysis.new_of_old);
   const SparseMatrix<double>& permuted = analysis.permuted;
   entries_begin_.assign(1, 0);
@@ -184,93 +188,123 @@ void LaneCholesky::FindSupernodes(const std::vector<int>& parents,
   }
 }
 
-double* LaneCholesky::Row(const Supernode& supernode, int row, int lanes,
-                          std::vector<double>* values) const {
-  return values->data() +
+double* LaneCholesky::Row(const Supernode& supernode, int row, Factor* factor) const {
+  return factor->values.data() +
          (supernode.values + static_cast<size_t>(row) * static_cast<size_t>(supernode.width)) *
-             static_cast<size_t>(lanes);
+             static_cast<size_t>(factor->lanes);
 }
 
-// The matrix itself, where the supernode's part of L will be. local: of a row, its place there;
-// diagonal: in the permuted order.
-void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, const double* scales,
-                         const double* diagonal, int lanes, std::vector<double>* values) const {
+PanelView LaneCholesky::Panel(const Supernode& supernode, const Factor& factor) const {
+  return {factor.values.data() + supernode.values * static_cast<size_t>(factor.lanes),
+          rows_.data() + supernode.rows, supernode.num_rows, supernode.width};
+}
+
+// from: [n][lanes] in the order of Q; to: in that of the elimination, resized.
+void LaneCholesky::Permute(const double* from, int lanes, std::vector<double>* to) const {
   const auto step = static_cast<size_t>(lanes);
-  std::fill(Row(to, 0, lanes, values), Row(to, to.num_rows, lanes, values), 0.0);
+  to->resize(new_of_old_.size() * step);
+  for (size_t old = 0; old < new_of_old_.size(); ++old) {
+    std::copy_n(from + old * step, step, to->data() + static_cast<size_t>(new_of_old_[old]) * step);
+  }
+}
+
+// The matrix itself, where the supernode's part of L will be. local: of a row, its place there.
+void LaneCholesky::Begin(const Supernode& to, const std::vector<int>& local, const double* scales,
+                         Factor* factor) const {
+  const auto step = static_cast<size_t>(factor->lanes);
+  std::fill(Row(to, 0, factor), Row(to, to.num_rows, factor), 0.0);
   for (int column = 0; column < to.width; ++column) {
     const auto offset = static_cast<size_t>(column),
                global = static_cast<size_t>(to.first) + offset;
     for (size_t e = entries_begin_[global]; e < entries_begin_[global + 1]; ++e) {
       const int row = local[static_cast<size_t>(entries_[e].row)];
-      double* number = Row(to, row, lanes, values) + offset * step;
+      double* number = Row(to, row, factor) + offset * step;
       for (size_t lane = 0; lane < step; ++lane)
         number[lane] += scales[lane] * entries_[e].value;
     }
-    double* pivot = Row(to, column, lanes, values) + offset * step;
+    double* pivot = Row(to, column, factor) + offset * step;
     for (size_t lane = 0; lane < step; ++lane)
-      pivot[lane] += diagonal[global * step + lane];
+      pivot[lane] += factor->diagonal[global * step + lane];
   }
 }
 
-void LaneCholesky::Factorise(const double* scales, const double* diagonal, int lanes,
-                             std::vector<double>* values, bool* definite) const {
-  const auto n = static_cast<size_t>(size()), step = static_cast<size_t>(lanes);
-  values->resize(num_values_ * step);
-  std::fill_n(definite, step, true);
-  std::vector<double> permuted(n * step);
-  for (size_t old = 0; old < n; ++old)
-    std::copy_n(diagonal + old * step, step,
-                permuted.data() + static_cast<size_t>(new_of_old_[old]) * step);
-  // Supernodes with rows that are still to be worked on, listed where the next of these belongs.
-  std::vector<int> head(supernodes_.size(), -1), next(head), rows_done(head), local(n, -1);
-  const auto list = [&](size_t which, int done) {
-    const Supernode& supernode = supernodes_[which];
-    rows_done[which] = done;
-    if (done == supernode.num_rows) return;
-    const int row = rows_[supernode.rows + static_cast<size_t>(done)];
-    const auto later = static_cast<size_t>(supernode_of_[static_cast<size_t>(row)]);
-    next[which] = std::exchange(head[later], static_cast<int>(which));
-  };
+// Supernodes with rows that are still to be taken from, each listed where the next of these rows
+// belongs.
+struct LaneCholesky::Pending {
+  explicit Pending(size_t count) : head(count, -1), next(count, -1), rows_done(count, 0) {}
+
+  std::vector<int> head, next, rows_done;  // [supernodes]
+};
+
+void LaneCholesky::List(size_t which, int rows_done, Pending* pending) const {
+  const Supernode& supernode = supernodes_[which];
+  pending->rows_done[which] = rows_done;
+  if (rows_done == supernode.num_rows) return;
+  const int row = rows_[supernode.rows + static_cast<size_t>(rows_done)];
+  const auto later = static_cast<size_t>(supernode_of_[static_cast<size_t>(row)]);
+  pending->next[which] = std::exchange(pending->head[later], static_cast<int>(which));
+}
+
+// What all supernodes before it take from one, which then are listed again further on.
+void LaneCholesky::TakeProducts(size_t target, const std::vector<int>& local, Pending* pending,
+                                Factor* factor) const {
+  const Supernode& to = supernodes_[target];
+  for (int source = pending->head[target]; source >= 0;) {
+    const auto which = static_cast<size_t>(source);
+    const Supernode& from = supernodes_[which];
+    const int* from_rows = rows_.data() + from.rows;
+    const int begin = pending->rows_done[which];
+    int end = begin;
+    while (end < from.num_rows && from_rows[end] < to.first + to.width)
+      ++end;
+    kernels_.subtract_products(
+        {Row(from, 0, factor), from.width, from_rows, begin, end, from.num_rows, local.data(),
+         to.first, to.width, Row(to, 0, factor)},
+        factor->lanes);
+    source = pending->next[which];
+    List(which, end, pending);
+  }
+}
+
+void LaneCholesky::FactoriseAndSolve(const double* scales, const double* diagonal, int lanes,
+                                     Factor* factor, double* x) const {
+  factor->lanes = lanes;
+  factor->definite.fill(true);
+  factor->values.Reserve(num_values_ * static_cast<size_t>(lanes));
+  Permute(diagonal, lanes, &factor->diagonal);
+  Permute(x, lanes, &factor->x);
+  Pending pending(supernodes_.size());
+  std::vector<int> local(new_of_old_.size(), -1);
   for (size_t target = 0; target < supernodes_.size(); ++target) {
     const Supernode& to = supernodes_[target];
     for (int row = 0; row < to.num_rows; ++row)
       local[static_cast<size_t>(rows_[to.rows + static_cast<size_t>(row)])] = row;
-    Begin(to, local, scales, permuted.data(), lanes, values);
-    for (int source = head[target]; source >= 0;) {
-      const auto which = static_cast<size_t>(source);
-      const Supernode& from = supernodes_[which];
-      const int* from_rows = rows_.data() + from.rows;
-      int end = rows_done[which];
-      while (end < from.num_rows && from_rows[end] < to.first + to.width)
-        ++end;
-      SubtractProducts({Row(from, 0, lanes, values), from.width, from_rows, rows_done[which], end,
-                        from.num_rows, local.data(), to.first, to.width, Row(to, 0, lanes, values)},
-                       lanes);
-      source = next[which];
-      list(which, end);
-    }
-    FactorPanel(Row(to, 0, lanes, values), to.num_rows, to.width, lanes, definite);
-    list(target, to.width);
+    Begin(to, local, scales, factor);
+    TakeProducts(target, local, &pending, factor);
+    kernels_.factor_panel(Row(to, 0, factor), to.num_rows, to.width, lanes,
+                          factor->definite.data());
+    kernels_.solve_forward(Panel(to, *factor), lanes,
+                           factor->x.data());  // while it is in the cache
+    List(target, to.width, &pending);
   }
+  SolveBackward(factor, x);
 }
 
-void LaneCholesky::Solve(const std::vector<double>& values, int lanes, double* x,
-                         std::vector<double>* scratch) const {
-  const auto n = static_cast<size_t>(size()), step = static_cast<size_t>(lanes);
-  scratch->resize(n * step);
-  for (size_t old = 0; old < n; ++old)
-    std::copy_n(x + old * step, step,
-                scratch->data() + static_cast<size_t>(new_of_old_[old]) * step);
-  const auto panel = [&](const Supernode& s) {
-    return PanelView{values.data() + s.values * step, rows_.data() + s.rows, s.num_rows, s.width};
-  };
+void LaneCholesky::Solve(Factor* factor, double* x) const {
+  Permute(x, factor->lanes, &factor->x);
   for (const Supernode& supernode : supernodes_)
-    SolveForward(panel(supernode), lanes, scratch->data());
+    kernels_.solve_forward(Panel(supernode, *factor), factor->lanes, factor->x.data());
+  SolveBackward(factor, x);
+}
+
+void LaneCholesky::SolveBackward(Factor* factor, double* x) const {
+  const auto step = static_cast<size_t>(factor->lanes);
   for (auto supernode = supernodes_.rbegin(); supernode != supernodes_.rend(); ++supernode)
-    SolveBackward(panel(*supernode), lanes, scratch->data());
-  for (size_t old = 0; old < n; ++old)
-    std::copy_n(scratch->data() + static_cast<size_t>(new_of_old_[old]) * step, step,
+    kernels_.solve_backward(Panel(*supernode, *factor), factor->lanes, factor->x.data());
+  for (size_t old = 0; old < new_of_old_.size(); ++old) {
+    std::copy_n(factor->x.data() + static_cast<size_t>(new_of_old_[old]) * step, step,
                 x + old * step);
+  }
 }
 
 }  // namespace limber::bake

@@ -76,19 +76,20 @@ Lanes RandomLanes(int size, int lanes, uint32_t seed) {
   return result;
 }
 
-void ExpectEigensAnswers(const SparseMatrix<double>& Q, int lanes) {
+void ExpectEigensAnswers(const SparseMatrix<double>& Q, int lanes,
+                         const CholeskyKernels& kernels = ChooseCholeskyKernels()) {
   const int size = static_cast<int>(Q.cols());
-  const LaneCholesky cholesky(Q);
+  const LaneCholesky cholesky(Q, kernels);
   ASSERT_EQ(cholesky.size(), size);
   Lanes problem = RandomLanes(size, lanes, 3);
-  std::vector<double> values, scratch;
-  std::array<bool, 8> definite{};
-  cholesky.Factorise(problem.scales.data(), problem.diagonal.data(), lanes, &values,
-                     definite.data());
-  std::vector<double> solved = problem.x;
-  cholesky.Solve(values, lanes, solved.data(), &scratch);
+  LaneCholesky::Factor factor;
+  std::vector<double> solved = problem.x, solved_again = problem.x;
+  cholesky.FactoriseAndSolve(problem.scales.data(), problem.diagonal.data(), lanes, &factor,
+                             solved.data());
+  cholesky.Solve(&factor, solved_again.data());
+  EXPECT_EQ(solved_again, solved);
   for (int lane = 0; lane < lanes; ++lane) {
-    ASSERT_TRUE(definite[size_t(lane)]);
+    ASSERT_TRUE(factor.definite[size_t(lane)]);
     VectorXd right(size), own(size);
     SparseMatrix<double> matrix = problem.scales[size_t(lane)] * Q;
     for (int i = 0; i < size; ++i) {
@@ -110,6 +111,39 @@ TEST(LaneCholesky, SolvesWhatEigenSolves) {
   }
 }
 
+// Sizes that leave every kind of remainder of tiles and blocks.
+TEST(LaneCholesky, EveryInstructionSet_SolvesWhatEigenSolves) {
+  for (const CholeskyKernels* const* kernels = AvailableCholeskyKernels(); *kernels; ++kernels) {
+    SCOPED_TRACE((*kernels)->name);
+    for (const int lanes : {LaneCholesky::kFew, LaneCholesky::kMany}) {
+      for (int size = 1; size <= 80; ++size)
+        ExpectEigensAnswers(RandomMatrix(size, size < 40 ? size : 4, 7), lanes, **kernels);
+      ExpectEigensAnswers(GridBiharmonic(23), lanes, **kernels);
+    }
+  }
+}
+
+std::vector<double> SolvedBy(const CholeskyKernels& kernels, const SparseMatrix<double>& Q,
+                             int lanes) {
+  const LaneCholesky cholesky(Q, kernels);
+  Lanes problem = RandomLanes(static_cast<int>(Q.cols()), lanes, 11);
+  LaneCholesky::Factor factor;
+  cholesky.FactoriseAndSolve(problem.scales.data(), problem.diagonal.data(), lanes, &factor,
+                             problem.x.data());
+  return problem.x;
+}
+
+// The first set is the baseline, which on x86-64 cannot fuse and gives its own bits.
+TEST(LaneCholesky, AllFusedInstructionSets_GiveTheSameBits) {
+  const SparseMatrix<double> Q = GridBiharmonic(31);
+  const CholeskyKernels* const* sets = AvailableCholeskyKernels();
+  for (int s = 1; sets[s] != nullptr && sets[s + 1] != nullptr; ++s) {
+    for (const int lanes : {LaneCholesky::kFew, LaneCholesky::kMany})
+      EXPECT_EQ(SolvedBy(*sets[s], Q, lanes), SolvedBy(*sets[s + 1], Q, lanes))
+          << sets[s + 1]->name;
+  }
+}
+
 TEST(LaneCholesky, UnconnectedAndDense_AreSolvedToo) {
   SparseMatrix<double> diagonal(50, 50);
   diagonal.setIdentity();
@@ -122,9 +156,10 @@ TEST(LaneCholesky, NotDefinite_OnlyThatLaneSaysSo) {
   const LaneCholesky cholesky(Q);
   Lanes problem = RandomLanes(36, 4, 5);
   problem.diagonal[20 * 4 + 2] = -100;
-  std::vector<double> values;
-  std::array<bool, 8> definite{};
-  cholesky.Factorise(problem.scales.data(), problem.diagonal.data(), 4, &values, definite.data());
+  LaneCholesky::Factor factor;
+  cholesky.FactoriseAndSolve(problem.scales.data(), problem.diagonal.data(), 4, &factor,
+                             problem.x.data());
+  const auto& definite = factor.definite;
   EXPECT_TRUE(definite[0] && definite[1] && definite[3]);
   EXPECT_FALSE(definite[2]);
 }
