@@ -1,7 +1,7 @@
 #include "bake/write_baked.h"
 
-#include "bake/gltf_patch.h"
 #include "bake/handle_nodes.h"
+#include "gltf_edit/gltf_patch.h"
 #include "import/file_output.h"
 #include "load/gltf_mesh.h"
 #include "load/rig_json.h"

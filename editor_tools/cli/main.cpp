@@ -23,6 +23,7 @@ constexpr char kDescription[] =
 constexpr char kFooter[] = R"(The way of a character:
   limber pack rest.obj smile.obj frown.obj -o face.glb   OBJ files become one glTF (or start
                                                          from any glTF with morph targets)
+  limber pack walk.glb --clip Run --count 6 -o run.glb   moments of an animation do as well
   limber bake face.glb -o face_baked.glb --auto-handles 8
   limber info face_baked.glb
   limber play face_baked.glb                             drag it

@@ -1,5 +1,6 @@
 #include "import/import_gltf.h"
 
+#include "import/mesh_node.h"
 #include "import/node_transforms.h"
 #include "load/gltf_mesh.h"
 
@@ -7,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 
 namespace limber::bake {
 namespace {
@@ -26,11 +26,6 @@ const Json& Nodes(const GltfFile& file) {
   return nodes == file.json().end() ? EmptyArray() : *nodes;
 }
 
-std::string NodeName(const Json& nodes, size_t n) {
-  const std::string name = nodes[n].value("name", "");
-  return name.empty() ? "node_" + std::to_string(n) : name;
-}
-
 bool HasTargets(const GltfFile& file, const Json& node) {
   const auto mesh = node.find("mesh");
   if (mesh == node.end()) return false;
@@ -41,56 +36,18 @@ bool HasTargets(const GltfFile& file, const Json& node) {
   });
 }
 
-std::string ListNodes(const Json& nodes, const std::vector<size_t>& which) {
-  constexpr size_t kMostListed = 12;
-  std::string list;
-  for (size_t i = 0; i < which.size() && i < kMostListed; ++i) {
-    list += (i == 0 ? "\"" : ", \"") + NodeName(nodes, which[i]) + "\" (" +
-            std::to_string(which[i]) + ")";
-  }
-  return which.size() > kMostListed ? list + ", ..." : list;
-}
-
-Result<int> FindNamedNode(const GltfFile& file, const std::string& wanted) {
-  const Json& nodes = Nodes(file);
-  std::vector<size_t> with_mesh, matching;
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    if (!nodes[n].contains("mesh")) continue;
-    with_mesh.push_back(n);
-    if (nodes[n].value("name", "") == wanted) matching.push_back(n);
-  }
-  size_t index = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  const bool is_number = error == std::errc() && end == wanted.data() + wanted.size();
-  if (matching.empty() && is_number && index < nodes.size() && nodes[index].contains("mesh")) {
-    return static_cast<int>(index);
-  }
-  if (matching.empty()) {
-    return Status(StatusCode::kNotFound, "node \"" + wanted + "\": there is no mesh node of that " +
-                                             "name or number; mesh nodes are " +
-                                             ListNodes(nodes, with_mesh));
-  }
-  if (matching.size() > 1) {
-    return Status(StatusCode::kInvalidArgument, "node \"" + wanted +
-                                                    "\": several have that name; " +
-                                                    "give a number: " + ListNodes(nodes, matching));
-  }
-  return static_cast<int>(matching[0]);
-}
-
 Result<int> FindMeshNode(const GltfFile& file, const std::string& wanted) {
-  if (!wanted.empty()) return FindNamedNode(file, wanted);
-  const Json& nodes = Nodes(file);
-  std::vector<size_t> with_mesh, candidates;
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    if (nodes[n].contains("mesh")) with_mesh.push_back(n);
-    if (HasTargets(file, nodes[n])) candidates.push_back(n);
+  if (!wanted.empty()) return FindNamedMeshNode(file, wanted);
+  const std::vector<size_t> with_mesh = MeshNodes(file);
+  std::vector<size_t> candidates;
+  for (const size_t n : with_mesh) {
+    if (HasTargets(file, Nodes(file)[n])) candidates.push_back(n);
   }
   if (candidates.size() == 1) return static_cast<int>(candidates[0]);
   if (candidates.size() > 1) {
     return Status(StatusCode::kInvalidArgument,
                   "nodes: several meshes have morph targets; choose one with --node: " +
-                      ListNodes(nodes, candidates));
+                      ListNodes(file, candidates));
   }
   // Reading a mesh without targets explains the usual cause.
   if (!with_mesh.empty()) return static_cast<int>(with_mesh[0]);
@@ -129,7 +86,8 @@ void FillSurface(GltfMorphMesh* mesh, RawCharacter* raw) {
 }
 
 // Reads the mark of one node; nullopt: it is no handle.
-Result<std::optional<HandleSpec>> ReadMark(const Json& nodes, size_t n) {
+Result<std::optional<HandleSpec>> ReadMark(const GltfFile& file, size_t n) {
+  const Json& nodes = Nodes(file);
   const auto extras = nodes[n].find("extras");
   if (extras == nodes[n].end() || !extras->is_object()) return std::optional<HandleSpec>();
   const auto mark = extras->find(kHandleMark);
@@ -137,7 +95,7 @@ Result<std::optional<HandleSpec>> ReadMark(const Json& nodes, size_t n) {
     return std::optional<HandleSpec>();
   }
   HandleSpec spec;
-  spec.name = NodeName(nodes, n);
+  spec.name = NodeName(file, n);
   spec.node = static_cast<int>(n);
   const std::string place = "node \"" + spec.name + "\": extras." + kHandleMark;
   // Blender writes custom properties of tick boxes as true or 1.
@@ -167,7 +125,7 @@ Status ReadMarks(const GltfFile& file, RawCharacter* raw) {
   std::vector<Eigen::Matrix4d> world;
   Eigen::Matrix4d to_mesh = Eigen::Matrix4d::Identity();
   for (size_t n = 0; n < nodes.size(); ++n) {
-    Result<std::optional<HandleSpec>> spec = ReadMark(nodes, n);
+    Result<std::optional<HandleSpec>> spec = ReadMark(file, n);
     if (!spec.ok()) return spec.status();
     if (!spec->has_value()) continue;
     if (world.empty()) {
@@ -176,7 +134,7 @@ Status ReadMarks(const GltfFile& file, RawCharacter* raw) {
       to_mesh = mesh_world.inverse();
       if (!to_mesh.allFinite() || mesh_world.topLeftCorner<3, 3>().determinant() == 0) {
         return Status(StatusCode::kMalformed, "node \"" +
-                                                  NodeName(nodes, static_cast<size_t>(raw->node)) +
+                                                  NodeName(file, static_cast<size_t>(raw->node)) +
                                                   "\": its transform has no inverse, so its "
                                                   "handles have no place; give it a scale");
       }

@@ -1,6 +1,5 @@
 #include "import/node_transforms.h"
 
-#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -16,56 +15,82 @@ Eigen::Vector3d ReadVector(const Json& node, const char* key, const Eigen::Vecto
   return {(*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>()};
 }
 
-Eigen::Matrix4d LocalTransform(const Json& node) {
-  Eigen::Matrix4d local = Eigen::Matrix4d::Identity();
+NodeTransform ReadTransform(const Json& node) {
+  NodeTransform local;
   if (const auto matrix = node.find("matrix"); matrix != node.end()) {
+    local.matrix.emplace();
     for (int i = 0; i < 16; ++i)
-      local(i % 4, i / 4) = (*matrix)[static_cast<size_t>(i)].get<double>();
+      (*local.matrix)(i % 4, i / 4) = (*matrix)[static_cast<size_t>(i)].get<double>();
     return local;
   }
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (const auto it = node.find("rotation"); it != node.end()) {
-    rotation = Eigen::Quaterniond((*it)[3].get<double>(), (*it)[0].get<double>(),
-                                  (*it)[1].get<double>(), (*it)[2].get<double>());
-    if (rotation.norm() > 0) rotation.normalize();
+    const Eigen::Quaterniond rotation((*it)[3].get<double>(), (*it)[0].get<double>(),
+                                      (*it)[1].get<double>(), (*it)[2].get<double>());
+    if (rotation.norm() > 0) local.rotation = rotation.normalized();
   }
-  const Eigen::Vector3d scale = ReadVector(node, "scale", Eigen::Vector3d::Ones());
-  local.topLeftCorner<3, 3>() = rotation.toRotationMatrix() * scale.asDiagonal();
-  local.topRightCorner<3, 1>() = ReadVector(node, "translation", Eigen::Vector3d::Zero());
+  local.scale = ReadVector(node, "scale", local.scale);
+  local.translation = ReadVector(node, "translation", local.translation);
   return local;
+}
+
+std::vector<size_t> ChildrenOf(const Json& node) {
+  const auto it = node.find("children");
+  return it == node.end() ? std::vector<size_t>() : it->get<std::vector<size_t>>();
 }
 
 }  // namespace
 
-std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file) {
+Eigen::Matrix4d NodeTransform::Matrix() const {
+  if (matrix.has_value()) return *matrix;
+  Eigen::Matrix4d local = Eigen::Matrix4d::Identity();
+  local.topLeftCorner<3, 3>() = rotation.toRotationMatrix() * scale.asDiagonal();
+  local.topRightCorner<3, 1>() = translation;
+  return local;
+}
+
+std::vector<int> ParentNodes(const GltfFile& file) {
+  const auto nodes = file.json().find("nodes");
+  if (nodes == file.json().end()) return {};
+  std::vector<int> parent(nodes->size(), -1);
+  for (size_t n = 0; n < nodes->size(); ++n) {
+    for (const size_t child : ChildrenOf((*nodes)[n]))
+      parent[child] = static_cast<int>(n);
+  }
+  return parent;
+}
+
+std::vector<NodeTransform> LocalTransforms(const GltfFile& file) {
+  const auto nodes = file.json().find("nodes");
+  if (nodes == file.json().end()) return {};
+  std::vector<NodeTransform> local;
+  for (const Json& node : *nodes)
+    local.push_back(ReadTransform(node));
+  return local;
+}
+
+std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
+                                             std::span<const NodeTransform> local) {
   const auto nodes = file.json().find("nodes");
   if (nodes == file.json().end()) return {};
   std::vector<Eigen::Matrix4d> world(nodes->size());
-  std::vector<bool> is_child(nodes->size(), false);
-  const auto children_of = [&](size_t n) {
-    std::vector<size_t> children;
-    if (const auto it = (*nodes)[n].find("children"); it != (*nodes)[n].end()) {
-      children = it->get<std::vector<size_t>>();
-    }
-    return children;
-  };
-  for (size_t n = 0; n < nodes->size(); ++n) {
-    world[n] = LocalTransform((*nodes)[n]);
-    for (const size_t child : children_of(n))
-      is_child[child] = true;
-  }
+  const std::vector<int> parent = ParentNodes(file);
   // Parents before children, with a list instead of recursion: hierarchies may be long.
   std::vector<size_t> order;
   for (size_t n = 0; n < nodes->size(); ++n) {
-    if (!is_child[n]) order.push_back(n);
+    world[n] = local[n].Matrix();
+    if (parent[n] < 0) order.push_back(n);
   }
   for (size_t i = 0; i < order.size(); ++i) {
-    for (const size_t child : children_of(order[i])) {
+    for (const size_t child : ChildrenOf((*nodes)[order[i]])) {
       world[child] = world[order[i]] * world[child];
       order.push_back(child);
     }
   }
   return world;
+}
+
+std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file) {
+  return WorldTransforms(file, LocalTransforms(file));
 }
 
 }  // namespace limber::bake

@@ -93,8 +93,10 @@ int NumComponents(int type) {
       return 3;
     case TINYGLTF_TYPE_VEC4:
       return 4;
+    case TINYGLTF_TYPE_MAT4:
+      return 16;  // its columns are whole words for every component type: no padding
     default:
-      return 0;  // matrices: nothing that Limber reads
+      return 0;  // smaller matrices: nothing that Limber reads
   }
 }
 

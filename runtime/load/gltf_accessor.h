@@ -13,7 +13,7 @@ namespace limber {
 
 struct AccessorRequest {
   int accessor = -1;
-  int components = 1;           // wanted: 1 (SCALAR) to 4 (VEC4)
+  int components = 1;           // wanted: 1 (SCALAR) to 4 (VEC4), 16 (MAT4, by columns)
   std::string place;            // for messages: "meshes[0].primitives[1].POSITION"
   int64_t expected_count = -1;  // refuse another element count; -1: any
   // Whether elements may have no bytes in the file (no bufferView: zeros, then the sparse part).

@@ -28,11 +28,13 @@ const std::map<std::string, Names> kRuntimeRooms = {
 const std::map<std::string, Names> kToolRooms = {
     {"geometry", {}},
     {"import", {"geometry"}},
-    {"bake", {"geometry", "import"}},
+    {"gltf_edit", {"import"}},
+    {"animation", {"import", "gltf_edit"}},
+    {"bake", {"geometry", "import", "gltf_edit"}},
     {"deform", {"geometry"}},
     {"bench", {"geometry", "import", "bake"}},
     {"viewer", {}},
-    {"cli", {"geometry", "import", "bake", "deform", "bench", "viewer"}},
+    {"cli", {"geometry", "import", "bake", "deform", "bench", "viewer", "gltf_edit", "animation"}},
 };
 
 bool Matches(const std::string& text, const char* pattern) {

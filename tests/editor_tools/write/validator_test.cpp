@@ -3,12 +3,11 @@
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "import/pack_obj.h"
+#include "support/gltf_validator.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <fstream>
 
 namespace limber::test {
@@ -16,27 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNotInstalled = 2, kNoSuchCommand = 127;
-
-// Exit code of the validator.
-int Validate(const fs::path& file) {
-  const std::string command =
-      "node '" LIMBER_SOURCE_DIR "/tests/validate_gltf.mjs' '" + file.string() + "'";
-  const int status = std::system(command.c_str());
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-// A file that the validator finds fault with, to see whether it is there and says so.
 class Validator : public testing::Test {
  protected:
   void SetUp() override {
-    const fs::path bad = folder_.path() / "bad.gltf";
-    std::ofstream(bad) << R"({"asset": {"version": "2.0"}, "scene": 3})";
-    const int code = Validate(bad);
-    if (code == kNotInstalled || code == kNoSuchCommand) {
+    const ValidatorState state = FindGltfValidator(folder_.path());
+    if (state == ValidatorState::kMissing) {
       GTEST_SKIP() << "no Khronos validator here: npm install --prefix tests";
     }
-    ASSERT_EQ(code, 1) << "the validator must refuse a bad file";
+    ASSERT_EQ(state, ValidatorState::kReady) << "the validator must refuse a bad file";
   }
 
   void BakeAndValidate(const fs::path& source, const fs::path& out) {
@@ -44,7 +30,7 @@ class Validator : public testing::Test {
     ASSERT_TRUE(raw.ok()) << raw.status().message();
     const Status status = bake::WriteBaked(source, *raw, MakeSyntheticBake(*raw, {}), out);
     ASSERT_TRUE(status.ok()) << status.message();
-    EXPECT_EQ(Validate(out), 0) << out;
+    EXPECT_TRUE(IsValidGltf(out)) << out;
   }
 
   TemporaryFolder folder_;
@@ -52,7 +38,7 @@ class Validator : public testing::Test {
 
 TEST_F(Validator, BakedGlbAndGltf_AreClean) {
   const fs::path source = WritePlainSource(folder_.path());
-  EXPECT_EQ(Validate(source), 0);
+  EXPECT_TRUE(IsValidGltf(source));
   BakeAndValidate(source, folder_.path() / "out.glb");
   BakeAndValidate(source, folder_.path() / "out.gltf");
   BakeAndValidate(folder_.path() / "out.glb", folder_.path() / "again.glb");
@@ -67,7 +53,7 @@ TEST_F(Validator, PackedObj_IsCleanBeforeAndAfterABake) {
   const std::vector<fs::path> shapes = {shape};
   const Status status = bake::PackObj(base, shapes, {}, packed);
   ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_EQ(Validate(packed), 0);
+  EXPECT_TRUE(IsValidGltf(packed));
   BakeAndValidate(packed, folder_.path() / "baked.glb");
 }
 

@@ -37,6 +37,13 @@ class GltfPatch {
   size_t AddFloats(const std::string& name, std::span<const float> numbers, int components,
                    bool vertex_attribute);
 
+  // Appends vectors, three numbers each, as a VEC3 accessor of vertex data; returns its index. For
+  // POSITION glTF demands the least and the largest number of each axis: `with_bounds`.
+  size_t AddVectors(const std::string& name, std::span<const float> numbers, bool with_bounds);
+
+  // The same of `count` zero vectors, with bounds, which take no bytes in the file.
+  size_t AddZeroVectors(const std::string& name, size_t count);
+
   // Closes gaps and returns the whole file as a GLB, or as a .gltf with its data inside. Errors:
   // kLimitExceeded; without a file's name.
   Result<std::vector<uint8_t>> Finish(bool as_glb);
@@ -46,6 +53,7 @@ class GltfPatch {
   Status GatherBuffers(const GltfFile& file);
   Status EmbedImages(const GltfFile& file);
   size_t AddBufferView(std::span<const uint8_t> bytes, int target);
+  size_t AddAccessor(nlohmann::ordered_json accessor);
   bool IsAccessorUsed(size_t accessor) const;
   bool IsBufferViewUsed(size_t view) const;
   void RemoveBytes(const std::vector<size_t>& views);

@@ -1,4 +1,4 @@
-#include "bake/gltf_patch.h"
+#include "gltf_edit/gltf_patch.h"
 
 #include "import/file_output.h"
 #include "load/uri.h"
@@ -39,6 +39,11 @@ std::string SniffImageType(std::span<const uint8_t> bytes) {
   if (starts_with({'R', 'I', 'F', 'F'})) return "image/webp";
   if (starts_with({0xAB, 'K', 'T', 'X', ' ', '2', '0'})) return "image/ktx2";
   return {};
+}
+
+std::span<const uint8_t> BytesOf(std::span<const float> numbers) {
+  static_assert(sizeof(float) == 4, "glTF's floats");
+  return {reinterpret_cast<const uint8_t*>(numbers.data()), numbers.size_bytes()};
 }
 
 bool HasMember(const Json& object, const char* key, size_t value) {
@@ -246,16 +251,7 @@ size_t GltfPatch::AddBufferView(std::span<const uint8_t> bytes, int target) {
   return index;
 }
 
-size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numbers, int components,
-                            bool vertex_attribute) {
-  static_assert(sizeof(float) == 4, "glTF's floats");
-  const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(numbers.data()),
-                                       numbers.size_bytes());
-  Json accessor = {{"name", name},
-                   {"bufferView", AddBufferView(bytes, vertex_attribute ? kArrayBuffer : 0)},
-                   {"componentType", kFloat},
-                   {"count", numbers.size() / static_cast<size_t>(components)},
-                   {"type", components == 4 ? "VEC4" : "SCALAR"}};
+size_t GltfPatch::AddAccessor(Json accessor) {
   if (!json_->contains("accessors")) (*json_)["accessors"] = Json::array();
   if (free_accessors_.empty()) {
     (*json_)["accessors"].push_back(std::move(accessor));
@@ -265,6 +261,44 @@ size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numb
   free_accessors_.pop_back();
   (*json_)["accessors"][index] = std::move(accessor);
   return index;
+}
+
+size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numbers, int components,
+                            bool vertex_attribute) {
+  const int target = vertex_attribute ? kArrayBuffer : 0;
+  return AddAccessor({{"name", name},
+                      {"bufferView", AddBufferView(BytesOf(numbers), target)},
+                      {"componentType", kFloat},
+                      {"count", numbers.size() / static_cast<size_t>(components)},
+                      {"type", components == 4 ? "VEC4" : "SCALAR"}});
+}
+
+size_t GltfPatch::AddVectors(const std::string& name, std::span<const float> numbers,
+                             bool with_bounds) {
+  Json accessor = {{"name", name},
+                   {"bufferView", AddBufferView(BytesOf(numbers), kArrayBuffer)},
+                   {"componentType", kFloat},
+                   {"count", numbers.size() / 3},
+                   {"type", "VEC3"}};
+  if (with_bounds && numbers.size() >= 3) {
+    std::array<float, 3> low = {numbers[0], numbers[1], numbers[2]}, high = low;
+    for (size_t i = 0; i < numbers.size(); ++i) {
+      low[i % 3] = std::min(low[i % 3], numbers[i]);
+      high[i % 3] = std::max(high[i % 3], numbers[i]);
+    }
+    accessor["min"] = low;
+    accessor["max"] = high;
+  }
+  return AddAccessor(std::move(accessor));
+}
+
+size_t GltfPatch::AddZeroVectors(const std::string& name, size_t count) {
+  return AddAccessor({{"name", name},
+                      {"componentType", kFloat},
+                      {"count", count},
+                      {"type", "VEC3"},
+                      {"min", {0.0, 0.0, 0.0}},
+                      {"max", {0.0, 0.0, 0.0}}});
 }
 
 // Numbers that were freed and not needed again: dropped at the end of their list; in its middle a
