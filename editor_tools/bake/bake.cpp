@@ -1,11 +1,12 @@
 #include "bake/bake.h"
 
 #include "bake/edge_groups.h"
+#include "bake/example_review.h"
+#include "bake/group_repair.h"
 #include "bake/handle_reach.h"
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
-#include "bake/skinning_weights.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "rig/rest_frames.h"
@@ -146,65 +147,106 @@ Eigen::VectorXd VertexStiffness(const std::vector<ResolvedHandle>& handles,
   return (weights * logarithms).array().exp();
 }
 
+// One bake, stage by stage; each leaves what the later ones need.
+class BakeRun {
+ public:
+  BakeRun(const RawCharacter& raw, const BakeOptions& options, const ProgressCallback& progress)
+      : raw_(raw),
+        options_(options),
+        clock_(progress, &baked_.timings) {}
+
+  Result<BakedCharacter> Run(std::span<const HandleSpec> handles) {
+    LIMBER_RETURN_IF_ERROR(Prepare(handles));
+    LIMBER_RETURN_IF_ERROR(FindWeights());
+    LIMBER_RETURN_IF_ERROR(Begin("reach", 0.6, 0.65));
+    tables().handle_reach = HandleReach(
+        mesh_, handle_vertices_, static_cast<double>(tables().space.scale), options_.num_threads);
+    LIMBER_RETURN_IF_ERROR(FindGroups());
+    LIMBER_RETURN_IF_ERROR(Begin("tensors", 0.7, 1));
+    const ReduceInput input{&mesh_, &weights_, &edges_, num_groups_, handle_vertices_};
+    LIMBER_RETURN_IF_ERROR(Reduce(input, clock_.Inner(), &tables()));
+    FillSkinMesh(raw_, mesh_, weights_, tables().space, &baked_.mesh);
+    baked_.cost = EstimateCost(tables(), mesh_.num_vertices(), raw_.num_draw_vertices());
+    clock_.End();
+    return std::move(baked_);
+  }
+
+ private:
+  RigTables& tables() { return baked_.tables; }
+
+  Status Begin(const char* stage, double from, double to) {
+    if (clock_.Begin(stage, from, to)) return {};
+    return Error(StatusCode::kInvalidArgument, "cancelled");
+  }
+
+  // Everything that can be refused is refused here, before the minutes of work.
+  Status Prepare(std::span<const HandleSpec> handles) {
+    LIMBER_RETURN_IF_ERROR(CheckRaw(raw_));
+    LIMBER_RETURN_IF_ERROR(Begin("weld", 0, 0.02));
+    mesh_ =
+        geometry::WeldMesh(raw_.shapes, raw_.triangles, kWeldTolerance * Diagonal(raw_.shapes[0]));
+    if (mesh_.triangles.empty()) {
+      return Error(StatusCode::kDegenerate, "mesh '%s' has no triangle with three corners",
+                   raw_.name.c_str());
+    }
+    geometry::ConnectComponents(&mesh_);
+    Result<std::vector<ResolvedHandle>> resolved = ResolveHandles(raw_, mesh_, handles);
+    if (!resolved.ok()) return resolved.status();
+    resolved_ = std::move(resolved).value();
+    for (const ResolvedHandle& handle : resolved_)
+      handle_vertices_.push_back(handle.vertex);
+    tables().space = FitRigSpace(mesh_.shapes, &tables().dimension);
+    tables().shape_names = raw_.shape_names;
+    tables().has_rotations = options_.rotations;
+    FillHandles(mesh_, resolved_, &tables());
+    tables().num_groups =
+        options_.num_groups > 0 ? options_.num_groups : kGroupsPerHandle * tables().num_handles();
+    LIMBER_RETURN_IF_ERROR(
+        CheckRigSize(SizeOf(tables(), mesh_.num_vertices(), raw_.num_draw_vertices())));
+    baked_.warnings = ReviewExamples(mesh_.shapes, raw_.shape_names, options_.rotations);
+    return {};
+  }
+
+  Status FindWeights() {
+    LIMBER_RETURN_IF_ERROR(Begin("weights", 0.02, 0.6));
+    Result<Eigen::MatrixXd> weights = BoundedBiharmonicWeights(
+        mesh_, handle_vertices_, options_.num_threads, clock_.Inner(), &baked_.weights);
+    if (!weights.ok()) return weights.status();
+    weights_ = std::move(weights).value();
+    baked_.influences = PruneInfluences(options_.influences, &weights_);
+    // The runtime skins with single-precision weights: the tensors are summed over the same ones.
+    weights_ = weights_.cast<float>().cast<double>();
+    return {};
+  }
+
+  Status FindGroups() {
+    LIMBER_RETURN_IF_ERROR(Begin("edge groups", 0.65, 0.7));
+    std::vector<int> groups = ClusterVertices(weights_, tables().num_groups, &num_groups_);
+    ConnectGroups(mesh_, weights_, num_groups_, &groups);
+    edges_ = BuildGroupEdges(mesh_, groups);
+    if (HasStiffness(resolved_)) ScaleEdges(VertexStiffness(resolved_, weights_), &edges_);
+    return {};
+  }
+
+  const RawCharacter& raw_;
+  const BakeOptions& options_;
+  BakedCharacter baked_;
+  StageClock clock_;
+  geometry::SolveMesh mesh_;
+  std::vector<ResolvedHandle> resolved_;
+  std::vector<int> handle_vertices_;  // [H] solve vertices
+  Eigen::MatrixXd weights_;           // V x H
+  std::vector<geometry::GroupEdge> edges_;
+  int num_groups_ = 0;
+};
+
 }  // namespace
 
 Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec> handles,
                             const BakeOptions& options, const ProgressCallback& progress) {
-  const Status cancelled(StatusCode::kInvalidArgument, "cancelled");
-  if (Status status = CheckRaw(raw); !status.ok()) return status.WithContext(raw.file);
-  BakedCharacter baked;
-  RigTables& tables = baked.tables;
-  StageClock clock(progress, &baked.timings);
-
-  if (!clock.Begin("weld", 0, 0.02)) return cancelled;
-  geometry::SolveMesh mesh =
-      geometry::WeldMesh(raw.shapes, raw.triangles, kWeldTolerance * Diagonal(raw.shapes[0]));
-  if (mesh.triangles.empty()) {
-    return Error(StatusCode::kDegenerate, "%s: mesh '%s' has no triangle with three corners",
-                 raw.file.c_str(), raw.name.c_str());
-  }
-  geometry::ConnectComponents(&mesh);
-  Result<std::vector<ResolvedHandle>> resolved = ResolveHandles(raw, mesh, handles);
-  if (!resolved.ok()) return resolved.status();
-  tables.space = FitRigSpace(mesh.shapes, &tables.dimension);
-  tables.shape_names = raw.shape_names;
-  tables.has_rotations = options.rotations;
-  FillHandles(mesh, *resolved, &tables);
-
-  if (!clock.Begin("weights", 0.02, 0.6)) return cancelled;
-  std::vector<int> handle_vertices;
-  for (const ResolvedHandle& handle : *resolved)
-    handle_vertices.push_back(handle.vertex);
-  WeightsReport weights_report;
-  Result<Eigen::MatrixXd> weights = BoundedBiharmonicWeights(
-      mesh, handle_vertices, options.num_threads, clock.Inner(), &weights_report);
-  if (!weights.ok()) return weights.status().WithContext(raw.file);
-  // The runtime skins with single-precision weights: the tensors are summed over the same ones.
-  *weights = weights->cast<float>().cast<double>();
-
-  if (!clock.Begin("reach", 0.6, 0.65)) return cancelled;
-  tables.handle_reach = HandleReach(mesh, handle_vertices, static_cast<double>(tables.space.scale),
-                                    options.num_threads);
-
-  if (!clock.Begin("edge groups", 0.65, 0.7)) return cancelled;
-  const int wanted =
-      options.num_groups > 0 ? options.num_groups : 2 * static_cast<int>(handle_vertices.size());
-  ReduceInput input;
-  const std::vector<int> groups = ClusterVertices(*weights, wanted, &input.num_groups);
-  std::vector<geometry::GroupEdge> edges = BuildGroupEdges(mesh, groups);
-  if (HasStiffness(*resolved)) ScaleEdges(VertexStiffness(*resolved, *weights), &edges);
-  input.mesh = &mesh;
-  input.weights = &*weights;
-  input.edges = &edges;
-  input.handle_vertices = handle_vertices;
-
-  if (!clock.Begin("tensors", 0.7, 1)) return cancelled;
-  if (Status status = Reduce(input, clock.Inner(), &tables); !status.ok()) {
-    return status.WithContext(raw.file);
-  }
-  FillSkinMesh(raw, mesh, *weights, tables.space, &baked.mesh);
-  clock.End();
-  return baked;
+  Result<BakedCharacter> baked = BakeRun(raw, options, progress).Run(handles);
+  if (baked.ok() || raw.file.empty()) return baked;
+  return baked.status().WithContext(raw.file);
 }
 
 }  // namespace limber::bake

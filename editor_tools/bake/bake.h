@@ -3,27 +3,29 @@
 // bytes.
 #pragma once
 
+#include "bake/influences.h"
+#include "bake/progress.h"
+#include "bake/rig_cost.h"
+#include "bake/skinning_weights.h"
 #include "core/status.h"
 #include "import/raw_character.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace limber::bake {
 
+inline constexpr int kGroupsPerHandle = 2;
+
 struct BakeOptions {
-  int num_groups = 0;     // G; 0: twice the number of handles (eq. 7, section 5.2)
+  int num_groups = 0;     // G; 0: kGroupsPerHandle times the handles (eq. 7, section 5.2)
+  int influences = 0;     // most handles that a vertex follows; 0: all (influences.h)
   bool rotations = true;  // false: for the formulation without rotations only (smaller file)
   int num_threads = 0;    // 0: one per core
 };
-
-// Told before each stage and now and then within one; fraction runs from 0 to 1 over the bake.
-// Returning false cancels: Bake then ends with kInvalidArgument "cancelled".
-using ProgressCallback = std::function<bool(const char* stage, double fraction)>;
 
 struct BakeTiming {
   std::string stage;
@@ -33,6 +35,9 @@ struct BakeTiming {
 struct BakedCharacter {
   RigTables tables;
   SkinMesh mesh;
+  WeightsReport weights;
+  InfluenceReport influences;
+  RigCost cost;
   std::vector<BakeTiming> timings;
   std::vector<std::string> warnings;
 };

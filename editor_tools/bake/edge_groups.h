@@ -10,7 +10,8 @@
 namespace limber::bake {
 
 // Group of each vertex, in [0, *num_groups); seeded deterministically (farthest points in weight
-// space, then Lloyd). Empty groups are removed, so *num_groups may come back smaller than wanted.
+// space, then Lloyd). Empty groups are removed, so *num_groups may come back smaller than wanted. A
+// group may lie in several pieces: see group_repair.h.
 std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups);
 
 // Spokes and rims: each triangle gives its three edges, half-cotangent weighted, in equal thirds to

@@ -111,9 +111,11 @@ Status CheckSpecs(std::span<const HandleSpec> specs) {
   return {};
 }
 
-Result<std::vector<ResolvedHandle>> Resolve(const RawCharacter& raw,
-                                            const geometry::SolveMesh& mesh,
-                                            std::span<const HandleSpec> specs) {
+}  // namespace
+
+Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
+                                                   const geometry::SolveMesh& mesh,
+                                                   std::span<const HandleSpec> specs) {
   LIMBER_RETURN_IF_ERROR(CheckSpecs(specs));
   if (mesh.num_vertices() == 0) {
     return Error(StatusCode::kDegenerate, "mesh: it has no vertices; there is nothing to hold");
@@ -134,16 +136,6 @@ Result<std::vector<ResolvedHandle>> Resolve(const RawCharacter& raw,
     }
     resolved.push_back({spec, *vertex});
   }
-  return resolved;
-}
-
-}  // namespace
-
-Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
-                                                   const geometry::SolveMesh& mesh,
-                                                   std::span<const HandleSpec> specs) {
-  Result<std::vector<ResolvedHandle>> resolved = Resolve(raw, mesh, specs);
-  if (!resolved.ok() && !raw.file.empty()) return resolved.status().WithContext(raw.file);
   return resolved;
 }
 

@@ -304,7 +304,9 @@ Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
   for (Eigen::Index h = 0; h < num_handles; ++h)
     weights(handle_vertices[h], h) = 1;
   for (const BoundedQuadraticReport& solved : solver.reports()) {
+    report->handles.push_back({solved.iterations, solved.stationarity, solved.gap});
     report->stationarity = std::max(report->stationarity, solved.stationarity);
+    report->complementarity = std::max(report->complementarity, solved.gap);
   }
   NormaliseRows(mesh, report, &weights);
   return weights;

@@ -1,20 +1,32 @@
 // Bounded biharmonic weights (Jacobson et al. 2011) over the welded surface.
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/progress.h"
+#include "core/status.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 
 #include <span>
+#include <vector>
 
 namespace limber::bake {
 
+struct HandleOptimality {
+  int iterations = 0;
+  // Largest entry of w - clamp(w - gradient, 0, 1), the gradient in units of the pull of the handle
+  // on its neighbours: bounds and stationarity at once.
+  double stationarity = 0;
+  double complementarity = 0;  // duality gap, relative to the energy
+};
+
 struct WeightsReport {
-  // Before normalisation, the worst over handles: bounds and stationarity of the convex problem.
+  std::vector<HandleOptimality> handles;  // H; empty where there is only one
+  // The worst over handles, before rows were normalised.
   double bound_violation = 0;
-  double stationarity = 0;  // projected gradient, relative to the largest gradient of the start
-  double sum_error = 0;     // largest |sum - 1| before rows were normalised
+  double stationarity = 0;
+  double complementarity = 0;
+  double sum_error = 0;  // largest |sum - 1| before rows were normalised
 };
 
 // V x H: for each handle min 1/2 w^T (L A^-1 L) w, 0 <= w <= 1, one at its own vertex, zero at the

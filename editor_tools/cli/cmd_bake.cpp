@@ -3,6 +3,7 @@
 #include "bake/write_baked.h"
 #include "cli/character_input.h"
 #include "cli/command.h"
+#include "cli/cost_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "import/file_output.h"
@@ -59,6 +60,47 @@ struct BakeSummary {
   double seconds = 0;
 };
 
+Json WeightsJson(const bake::BakedCharacter& baked) {
+  Json handles = Json::array();
+  for (size_t h = 0; h < baked.weights.handles.size(); ++h) {
+    const bake::HandleOptimality& optimality = baked.weights.handles[h];
+    handles.push_back({{"name", baked.tables.handles[h].name},
+                       {"iterations", optimality.iterations},
+                       {"stationarity", optimality.stationarity},
+                       {"complementarity", optimality.complementarity}});
+  }
+  const bake::InfluenceReport& influences = baked.influences;
+  return {{"bound_violation", baked.weights.bound_violation},
+          {"stationarity", baked.weights.stationarity},
+          {"complementarity", baked.weights.complementarity},
+          {"handles", handles},
+          {"influences",
+           {{"most", influences.most},
+            {"kept", influences.kept == 0 ? baked.tables.num_handles() : influences.kept},
+            {"cut_vertices", influences.cut_vertices},
+            {"largest_change", influences.largest_change},
+            {"rms_change", influences.rms_change}}}};
+}
+
+std::string WeightsText(const bake::BakedCharacter& baked) {
+  char text[256];
+  std::snprintf(text, sizeof text, "optimal to %.1g of a handle's pull, duality gap %.1g",
+                baked.weights.stationarity, baked.weights.complementarity);
+  return text;
+}
+
+std::string InfluencesText(const bake::InfluenceReport& influences) {
+  char text[256];
+  int length = std::snprintf(text, sizeof text, "up to %d a vertex", influences.most);
+  if (influences.kept > 0) {
+    std::snprintf(text + length, sizeof text - static_cast<size_t>(length),
+                  ", cut to %d: %lld vertices changed, by up to %.2g, %.2g in the mean square",
+                  influences.kept, static_cast<long long>(influences.cut_vertices),
+                  influences.largest_change, influences.rms_change);
+  }
+  return text;
+}
+
 Json SummaryJson(const BakeCommandOptions& options, const BakeSummary& summary,
                  const bake::BakedCharacter& baked) {
   Json handles = Json::array(), timings = Json::array();
@@ -84,6 +126,8 @@ Json SummaryJson(const BakeCommandOptions& options, const BakeSummary& summary,
           {"groups", baked.tables.num_groups},
           {"modes", baked.tables.num_modes},
           {"rotations", baked.tables.has_rotations},
+          {"weights", WeightsJson(baked)},
+          {"cost", CostJson(baked.cost)},
           {"seconds", summary.seconds},
           {"timings", timings},
           {"warnings", baked.warnings}};
@@ -115,6 +159,9 @@ void PrintSummary(const BakeCommandOptions& options, const BakeSummary& summary,
                 names.c_str());
   console.Print("  model    %d edge groups, %d modes%s", tables.num_groups, tables.num_modes,
                 tables.has_rotations ? "" : ", without rotations");
+  if (!baked.weights.handles.empty()) console.Print("  weights  %s", WeightsText(baked).c_str());
+  console.Print("  follows  %s", InfluencesText(baked.influences).c_str());
+  console.Print("  cost     %s", CostText(baked.cost).c_str());
   console.Print("  time     %.2f s (%s)", summary.seconds, stages.c_str());
 }
 
@@ -187,6 +234,10 @@ Command AddBakeCommand(CLI::App* parent) {
                   "Edge groups that rotate and blend as one (default: twice the handles)")
       ->check(CLI::Range(1, 4096))
       ->option_text("N");
+  app->add_option("--influences", options->bake.influences,
+                  "Most handles that a vertex follows, the largest weights kept (default: all)")
+      ->check(CLI::Range(1, 1024))
+      ->option_text("K");
   app->add_flag("--no-rotations", options->no_rotations,
                 "Bake only for blending without local rotations (faces): a smaller file");
   app->add_option("--threads", options->bake.num_threads, "Threads to use (default: one per core)")

@@ -1,5 +1,7 @@
 // limber info: what a source or a baked glTF holds.
+#include "bake/bake.h"
 #include "cli/command.h"
+#include "cli/cost_text.h"
 #include "import/import_gltf.h"
 #include "load/gltf_file.h"
 #include "load/rig_loader.h"
@@ -15,16 +17,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr char kFooter[] =
-    R"(For a source: the mesh that `limber bake` would take, its shapes, its marked handles.
+    R"(For a source: the mesh that `limber bake` would take, its shapes, its marked handles, and what a bake
+would cost: with the marked handles, or with as many as --auto-handles says.
 For a baked file: the same, and the reduced model with its sizes in memory.
 
 Examples:
   limber info horse.glb
+  limber info horse.glb --auto-handles 24      what would that cost?
   limber info horse_baked.glb --json
 )";
 
 struct InfoOptions {
   std::string file, node;
+  // Of a bake that is thought of, for a source.
+  int num_handles = 0, num_groups = 0;
+  bool no_rotations = false;
 };
 
 std::string Joined(const Json& names) {
@@ -45,25 +52,45 @@ Json HandleNames(const Json& handles) {
   return names;
 }
 
-Json SourceJson(const bake::RawCharacter& raw) {
+// The rig that a bake would make of a source; no handles where nothing says how many.
+bake::RigSize ThoughtOf(const bake::RawCharacter& raw, const InfoOptions& options) {
+  bake::RigSize size;
+  size.num_handles =
+      options.num_handles > 0 ? options.num_handles : static_cast<int>(raw.marked_handles.size());
+  size.num_shapes = static_cast<int>(raw.shapes.size());
+  size.num_groups =
+      options.num_groups > 0 ? options.num_groups : bake::kGroupsPerHandle * size.num_handles;
+  size.rotations = !options.no_rotations;
+  size.num_vertices = size.num_draw_vertices = raw.num_draw_vertices();
+  return size;
+}
+
+Json SourceJson(const bake::RawCharacter& raw, const InfoOptions& options) {
   Json handles = Json::array();
   for (const bake::HandleSpec& handle : raw.marked_handles) {
     handles.push_back({{"name", handle.name}, {"pinned", handle.pinned}, {"node", handle.node}});
   }
-  return {{"file", raw.file},
-          {"baked", false},
-          {"name", raw.name},
-          {"node", raw.node},
-          {"draw_vertices", raw.num_draw_vertices()},
-          {"source_vertices", raw.num_source_vertices},
-          {"triangles", raw.triangles.size() / 3},
-          {"primitives", raw.primitives.size()},
-          {"normals", !raw.normals.empty()},
-          {"tangents", !raw.tangents.empty()},
-          {"texcoords", !raw.texcoords.empty()},
-          {"shapes", raw.shape_names},
-          {"handles", handles},
-          {"warnings", raw.warnings}};
+  Json json = {{"file", raw.file},
+               {"baked", false},
+               {"name", raw.name},
+               {"node", raw.node},
+               {"draw_vertices", raw.num_draw_vertices()},
+               {"source_vertices", raw.num_source_vertices},
+               {"triangles", raw.triangles.size() / 3},
+               {"primitives", raw.primitives.size()},
+               {"normals", !raw.normals.empty()},
+               {"tangents", !raw.tangents.empty()},
+               {"texcoords", !raw.texcoords.empty()},
+               {"shapes", raw.shape_names},
+               {"handles", handles},
+               {"warnings", raw.warnings}};
+  const bake::RigSize size = ThoughtOf(raw, options);
+  if (size.num_handles > 0) {
+    json["cost"] = CostJson(bake::EstimateCost(size));
+    json["cost"]["handles"] = size.num_handles;
+    json["cost"]["groups"] = size.num_groups;
+  }
+  return json;
 }
 
 uint64_t ModelBytes(const RigTables& tables) {
@@ -91,6 +118,11 @@ Json ExamplePositions(const Rig& rig, uint32_t vertex) {
     positions.push_back({p.x, p.y, p.z});
   }
   return positions;
+}
+
+bake::RigCost CostOf(const Rig& rig) {
+  return bake::EstimateCost(rig.tables(), rig.mesh().num_solve_vertices,
+                            rig.mesh().num_draw_vertices);
 }
 
 Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
@@ -126,7 +158,8 @@ Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
           {"modes", tables.num_modes},
           {"rotations", tables.has_rotations},
           {"model_bytes", ModelBytes(tables)},
-          {"mesh_bytes", MeshBytes(mesh)}};
+          {"mesh_bytes", MeshBytes(mesh)},
+          {"cost", CostJson(CostOf(rig))}};
 }
 
 void PrintSource(const Json& info, const Console& console) {
@@ -144,7 +177,19 @@ void PrintSource(const Json& info, const Console& console) {
   }
 }
 
-void PrintBaked(const Json& info, const Console& console) {
+void PrintThoughtOf(const bake::RigSize& size, const Console& console) {
+  if (size.num_handles == 0) {
+    console.Print("  cost     known for a number of handles: ask with --auto-handles N");
+    return;
+  }
+  console.Print("  cost     at most, with %d handles and %d edge groups%s: %s", size.num_handles,
+                size.num_groups, size.rotations ? "" : ", without rotations",
+                CostText(bake::EstimateCost(size)).c_str());
+  if (const Status status = bake::CheckRigSize(size); !status.ok())
+    console.Print("  refused  %s", status.message().c_str());
+}
+
+void PrintBaked(const Json& info, const bake::RigCost& cost, const Console& console) {
   console.Print("%s: \"%s\", baked (%s version %d)", info["file"].get<std::string>().c_str(),
                 info["name"].get<std::string>().c_str(), kRigExtensionName,
                 info["version"].get<int>());
@@ -158,8 +203,9 @@ void PrintBaked(const Json& info, const Console& console) {
   console.Print("  model    %d edge groups, %d modes%s", info["groups"].get<int>(),
                 info["modes"].get<int>(),
                 info["rotations"].get<bool>() ? "" : ", without rotations");
-  console.Print("  memory   model %.1f kB, mesh %.1f kB", info["model_bytes"].get<double>() / 1e3,
-                info["mesh_bytes"].get<double>() / 1e3);
+  console.Print("  tables   %.2f MB, and %.2f MB of mesh", info["model_bytes"].get<double>() / 1e6,
+                info["mesh_bytes"].get<double>() / 1e6);
+  console.Print("  cost     %s", CostText(cost).c_str());
   console.Print("  hash     %s", info["mesh_hash"].get<std::string>().c_str());
 }
 
@@ -168,8 +214,9 @@ ExitCode InfoOfSource(const GltfFile& file, const InfoOptions& options, const Co
   import_options.node = options.node;
   const Result<bake::RawCharacter> raw = bake::ImportGltf(file, import_options);
   if (!raw.ok()) return console.Fail(raw.status());
-  const Json info = SourceJson(*raw);
+  const Json info = SourceJson(*raw, options);
   PrintSource(info, console);
+  PrintThoughtOf(ThoughtOf(*raw, options), console);
   console.Emit(info);
   console.Warn(raw->warnings);
   return kSuccess;
@@ -177,15 +224,17 @@ ExitCode InfoOfSource(const GltfFile& file, const InfoOptions& options, const Co
 
 ExitCode InfoOfBaked(const GltfFile& file, int num_rigs, const Console& console) {
   Json infos = Json::array();
+  std::vector<bake::RigCost> costs;
   for (int i = 0; i < num_rigs; ++i) {
     RigLoadOptions load_options;
     load_options.rig_index = i;
     const auto rig = LoadRig(file, load_options);
     if (!rig.ok()) return console.Fail(rig.status());
     infos.push_back(BakedJson(file, **rig, i));
+    costs.push_back(CostOf(**rig));
   }
-  for (const Json& info : infos)
-    PrintBaked(info, console);
+  for (size_t i = 0; i < costs.size(); ++i)
+    PrintBaked(infos[i], costs[i], console);
   console.Emit(num_rigs == 1 ? infos[0] : Json{{"baked", true}, {"rigs", infos}});
   return kSuccess;
 }
@@ -209,6 +258,14 @@ Command AddInfoCommand(CLI::App* parent) {
   app->add_option("--node", options->node,
                   "The mesh's node, by name or number, where a source has several")
       ->option_text("NODE");
+  app->add_option("--auto-handles", options->num_handles,
+                  "Of a source: what a bake with so many handles would cost")
+      ->check(CLI::Range(1, 1024))
+      ->option_text("N");
+  app->add_option("--groups", options->num_groups, "and with so many edge groups")
+      ->check(CLI::Range(1, 4096))
+      ->option_text("N");
+  app->add_flag("--no-rotations", options->no_rotations, "and without rotations");
   app->footer(kFooter);
   return {app, [options](const Console& console) { return RunInfo(*options, console); }};
 }

@@ -26,6 +26,10 @@
 
 namespace limber {
 
+// Columns of F (G S k, without rotations G S) that a solver can hold: its square is the largest
+// thing there, 1.7 GB at this size.
+inline constexpr int64_t kMostRigColumns = 12000;
+
 // Maps rig space to mesh space: x_mesh = origin + scale * basis * x_rig.
 struct RigSpace {
   std::array<float, 3> origin = {0, 0, 0};

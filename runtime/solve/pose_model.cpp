@@ -11,9 +11,6 @@ namespace {
 using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using TableMap = Eigen::Map<const RowMajorF>;
 
-// The gram matrix is the largest thing a model holds; 12 thousand columns are 1.7 GB.
-constexpr int kMaxGramColumns = 12000;
-
 TableMap MapTable(const std::vector<float>& table, Eigen::Index rows, Eigen::Index columns) {
   return TableMap(table.data(), rows, columns);
 }
@@ -213,12 +210,13 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Build(std::shared_ptr<const 
   const RigTables& tables = rig->tables();
   const int blocks = tables.num_groups * tables.num_shapes();
   const int columns = blocks * (tables.has_rotations ? tables.dimension : 1);
-  if (columns > kMaxGramColumns) {
+  if (columns > kMostRigColumns) {
     return Error(StatusCode::kLimitExceeded,
                  "%s: %d groups, %d shapes and %d axes make %d columns; expected at most %d: use "
                  "fewer shapes, fewer handles, or bake without rotations",
                  rig->name().c_str(), tables.num_groups, tables.num_shapes(),
-                 tables.has_rotations ? tables.dimension : 1, columns, kMaxGramColumns);
+                 tables.has_rotations ? tables.dimension : 1, columns,
+                 static_cast<int>(kMostRigColumns));
   }
   std::shared_ptr<PoseModel> model(new PoseModel());
   model->k = tables.dimension;

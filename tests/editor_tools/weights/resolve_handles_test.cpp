@@ -80,9 +80,9 @@ TEST(ResolveHandles, VerticesAndPositions_LandOnTheirSolveVertices) {
   EXPECT_FALSE((*resolved)[1].spec.pinned);
 }
 
-TEST(ResolveHandles, Errors_NameTheHandleAndTheFile) {
+TEST(ResolveHandles, Errors_NameTheHandle) {
   const float not_a_number = std::numeric_limits<float>::quiet_NaN();
-  ExpectError(Resolve({}), StatusCode::kNoHandles, {"stretch_square", "--auto-handles"});
+  ExpectError(Resolve({}), StatusCode::kNoHandles, {"--auto-handles"});
   HandleSpec loose = AtVertex("loose", 1);
   loose.pinned = false;
   ExpectError(Resolve({loose}), StatusCode::kNoHandles, {"free", "pin"});
