@@ -1,7 +1,7 @@
 #include "bake/skinning_weights.h"
 
 #include "bake/bounded_quadratic.h"
-#include "geometry/cotangent.h"
+#include "geometry/robust_laplacian.h"
 #include "geometry/union_find.h"
 
 #include <algorithm>
@@ -33,12 +33,11 @@ struct Split {
 };
 
 SparseMatrix<double> BiharmonicForm(const geometry::SolveMesh& mesh) {
-  const SparseMatrix<double> laplacian = geometry::CotangentLaplacian(mesh);
-  const VectorXd areas = geometry::VertexAreas(mesh);
+  const geometry::RobustLaplacian robust = geometry::MakeRobustLaplacian(mesh);
   // Areas relative to their mean: the form, and so the weights, know no unit of length.
-  const VectorXd inverse = (areas / areas.mean()).cwiseInverse();
-  const SparseMatrix<double> scaled = inverse.asDiagonal() * laplacian;
-  SparseMatrix<double> Q = laplacian * scaled;
+  const VectorXd inverse = (robust.areas / robust.areas.mean()).cwiseInverse();
+  const SparseMatrix<double> scaled = inverse.asDiagonal() * robust.laplacian;
+  SparseMatrix<double> Q = robust.laplacian * scaled;
   const SparseMatrix<double> transposed = Q.transpose();
   return 0.5 * (Q + transposed);
 }

@@ -46,7 +46,8 @@ SolveMesh Blob() {
 
 const std::vector<int> kBlobHandles = {192, 193, 85, 92};
 
-// The bilaplacian energy by its definition, dense: sum over vertices of (L w)_v^2 / area_v.
+// The bilaplacian energy by its definition, dense: sum over vertices of (L w)_v^2 / area_v, with
+// the areas of Voronoi cells. For triangles without obtuse angles.
 MatrixXd DenseForm(const SolveMesh& mesh) {
   const int count = mesh.num_vertices();
   MatrixXd laplacian = MatrixXd::Zero(count, count);
@@ -62,7 +63,8 @@ MatrixXd DenseForm(const SolveMesh& mesh) {
       laplacian(j, j) += half_cotangent;
       laplacian(i, j) -= half_cotangent;
       laplacian(j, i) -= half_cotangent;
-      areas(o) += a.cross(b).norm() / 6;
+      areas(i) += half_cotangent * (a - b).squaredNorm() / 4;
+      areas(j) += half_cotangent * (a - b).squaredNorm() / 4;
     }
   }
   return laplacian * areas.cwiseInverse().asDiagonal() * laplacian;
