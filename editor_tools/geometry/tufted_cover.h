@@ -26,15 +26,15 @@ struct SideLengths {
 SideLengths MollifiedLengths(const PointMatrix& points,
                              std::span<const std::array<int, 3>> triangles);
 
-// The tufted cover (Sharp and Crane 2020): each triangle twice, its front as face 2 t,
-// its back as face 2 t + 1, glued around every edge of the mesh from each triangle to the next by
-// dihedral angle, the side that looks ahead to the side that looks back. A side on a border is
-// glued to the back of its own triangle, so the cover has no border; around an edge of two
-// triangles their fronts meet and their backs meet, whichever way they are wound. Copies of one
-// triangle lie one upon the other, in the order of their numbers, alike at all three sides. Where
-// other triangles leave an edge in the same direction any order is valid, and the first in
-// `triangles` comes first. Vertices are those of the mesh. Triangles need three distinct corners,
-// finite points, and number at most 2^31 / 6.
+// The tufted cover (Sharp and Crane 2020): each triangle twice, its front as face 2 t, its back as
+// face 2 t + 1, glued around every edge of the mesh from each triangle to the next by dihedral
+// angle, the side that looks ahead to the side that looks back. A side on a border is glued to the
+// back of its own triangle, so the cover has no border; around an edge of two triangles their
+// fronts meet and their backs meet, whichever way they are wound. Copies of one triangle lie one
+// upon the other, in the order of their numbers, alike at all three sides. Where other triangles
+// leave an edge in the same direction any order is valid, and that of their third corners decides.
+// Vertices are those of the mesh. Triangles need three distinct corners, finite points, and number
+// at most 2^31 / 6.
 IntrinsicTriangulation TuftedCover(const PointMatrix& points,
                                    std::span<const std::array<int, 3>> triangles,
                                    const SideLengths& lengths);
