@@ -3,6 +3,7 @@
 #include "editor_tools/geometry/soup_meshes.h"
 #include "geometry/tufted_cover.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
