@@ -76,6 +76,11 @@ Status CheckRaw(const RawCharacter& raw) {
                    raw.shape_names[s].c_str());
     }
   }
+  const auto num_vertices = static_cast<size_t>(raw.num_draw_vertices());
+  if (!raw.stiffness.empty() && raw.stiffness.size() != num_vertices) {
+    return Error(StatusCode::kInvalidArgument, "stiffness: %zu factors for %zu vertices",
+                 raw.stiffness.size(), num_vertices);
+  }
   const double diagonal = Diagonal(raw.shapes[0]);
   if (!(diagonal > 1e-30) || !std::isfinite(diagonal)) {
     return Error(StatusCode::kDegenerate, "mesh '%s' has no extent", raw.name.c_str());
@@ -132,19 +137,28 @@ void FillSkinMesh(const RawCharacter& raw, const geometry::SolveMesh& mesh,
   CompleteRestFrames(space.basis, skin);
 }
 
-bool HasStiffness(const std::vector<ResolvedHandle>& handles) {
-  return std::any_of(handles.begin(), handles.end(),
+bool HasStiffness(const RawCharacter& raw, const std::vector<ResolvedHandle>& handles) {
+  return !raw.stiffness.empty() ||
+         std::any_of(handles.begin(), handles.end(),
                      [](const ResolvedHandle& handle) { return handle.spec.stiffness != 1; });
 }
 
-// The handles' stiffnesses, mixed as the skin mixes their transforms but in proportions: a vertex
-// half way between 1 and 100 gets 10.
-Eigen::VectorXd VertexStiffness(const std::vector<ResolvedHandle>& handles,
+// What was painted, times the handles' stiffnesses, mixed as the skin mixes their transforms but in
+// proportions: a vertex half way between 1 and 100 gets 10. Draw vertices that were welded count
+// alike. V, in logarithms until the end.
+Eigen::VectorXd VertexStiffness(const RawCharacter& raw, const geometry::SolveMesh& mesh,
+                                const std::vector<ResolvedHandle>& handles,
                                 const Eigen::MatrixXd& weights) {
-  Eigen::VectorXd logarithms(weights.cols());
+  Eigen::VectorXd of_handles(weights.cols());
   for (Eigen::Index h = 0; h < weights.cols(); ++h)
-    logarithms[h] = std::log(handles[static_cast<size_t>(h)].spec.stiffness);
-  return (weights * logarithms).array().exp();
+    of_handles[h] = std::log(handles[static_cast<size_t>(h)].spec.stiffness);
+  Eigen::VectorXd painted = Eigen::VectorXd::Zero(weights.rows());
+  Eigen::VectorXd counts = painted;
+  for (size_t d = 0; d < raw.stiffness.size(); ++d) {
+    painted[mesh.solve_vertex[d]] += std::log(static_cast<double>(raw.stiffness[d]));
+    counts[mesh.solve_vertex[d]] += 1;
+  }
+  return (weights * of_handles + painted.cwiseQuotient(counts.cwiseMax(1))).array().exp();
 }
 
 // One bake, stage by stage; each leaves what the later ones need.
@@ -199,6 +213,8 @@ class BakeRun {
     tables().shape_names = raw_.shape_names;
     tables().has_rotations = options_.rotations;
     FillHandles(mesh_, resolved_, &tables());
+    for (const ResolvedHandle& handle : resolved_)
+      baked_.handle_stiffness.push_back(handle.spec.stiffness);
     tables().num_groups =
         options_.num_groups > 0 ? options_.num_groups : kGroupsPerHandle * tables().num_handles();
     LIMBER_RETURN_IF_ERROR(
@@ -224,7 +240,8 @@ class BakeRun {
     std::vector<int> groups = ClusterVertices(weights_, tables().num_groups, &num_groups_);
     ConnectGroups(mesh_, weights_, num_groups_, &groups);
     edges_ = BuildGroupEdges(mesh_, groups);
-    if (HasStiffness(resolved_)) ScaleEdges(VertexStiffness(resolved_, weights_), &edges_);
+    if (HasStiffness(raw_, resolved_))
+      ScaleEdges(VertexStiffness(raw_, mesh_, resolved_, weights_), &edges_);
     return {};
   }
 

@@ -35,6 +35,7 @@ struct BakeTiming {
 struct BakedCharacter {
   RigTables tables;
   SkinMesh mesh;
+  std::vector<double> handle_stiffness;  // [H], for the handles' nodes
   WeightsReport weights;
   InfluenceReport influences;
   RigCost cost;

@@ -25,11 +25,12 @@ bool WasMadeByBake(const Json& node) {
   return mark != nullptr && mark->is_object() && mark->value(kMadeByBake, Json(false)) == true;
 }
 
-void DescribeNode(const RigHandle& handle, Json* node) {
+void DescribeNode(const RigHandle& handle, double stiffness, Json* node) {
   const Vec3& p = handle.rest_position;
   (*node)["name"] = handle.name;
   (*node)["translation"] = {p.x, p.y, p.z};
   (*node)["extras"][kMark] = {{"pinned", handle.pinned}, {kMadeByBake, true}};
+  if (stiffness != 1) (*node)["extras"][kMark]["stiffness"] = stiffness;
 }
 
 int FindMarkedNode(const Json& nodes, const std::string& name, const std::set<int>& taken) {
@@ -115,27 +116,29 @@ void RetireNodes(const Json& old_rig, const std::set<int>& taken, size_t mesh_no
 
 }  // namespace
 
-void PlaceHandleNodes(const Json& old_rig, int mesh_node, std::vector<RigHandle>* handles,
-                      Json* root) {
+void PlaceHandleNodes(const Json& old_rig, int mesh_node, const std::vector<double>& stiffness,
+                      std::vector<RigHandle>* handles, Json* root) {
   Json& nodes = (*root)["nodes"];
   std::set<int> taken;
   for (RigHandle& handle : *handles) {
     if (handle.node >= static_cast<int>(nodes.size())) handle.node = -1;
     if (handle.node >= 0) taken.insert(handle.node);
   }
-  for (RigHandle& handle : *handles) {
+  for (size_t h = 0; h < handles->size(); ++h) {
+    RigHandle& handle = (*handles)[h];
     if (handle.node >= 0) continue;
     handle.node = FindMarkedNode(nodes, handle.name, taken);
     if (handle.node < 0) continue;
     taken.insert(handle.node);
     Json& node = nodes[static_cast<size_t>(handle.node)];
-    if (WasMadeByBake(node)) DescribeNode(handle, &node);
+    if (WasMadeByBake(node)) DescribeNode(handle, stiffness[h], &node);
   }
   RetireNodes(old_rig, taken, static_cast<size_t>(mesh_node), root);
-  for (RigHandle& handle : *handles) {
+  for (size_t h = 0; h < handles->size(); ++h) {
+    RigHandle& handle = (*handles)[h];
     if (handle.node >= 0) continue;
     Json node = Json::object();
-    DescribeNode(handle, &node);
+    DescribeNode(handle, stiffness[h], &node);
     handle.node = static_cast<int>(nodes.size());
     nodes.push_back(std::move(node));
     nodes[static_cast<size_t>(mesh_node)]["children"].push_back(handle.node);

@@ -13,8 +13,9 @@ namespace limber::bake {
 // else one marked as a handle of the same name; else a new one below the mesh node, at the rest
 // position, marked so that the next bake finds it. Nodes that an earlier bake made (old_rig, null
 // for none) and that no handle needs any more are removed where nothing else refers to them, else
-// unmarked. root: the glTF's JSON.
+// unmarked. stiffness: [H], that of HandleSpec. root: the glTF's JSON.
 void PlaceHandleNodes(const nlohmann::ordered_json& old_rig, int mesh_node,
-                      std::vector<RigHandle>* handles, nlohmann::ordered_json* root);
+                      const std::vector<double>& stiffness, std::vector<RigHandle>* handles,
+                      nlohmann::ordered_json* root);
 
 }  // namespace limber::bake

@@ -178,6 +178,13 @@ void NoteExtensionUsed(Json* root) {
   }
 }
 
+// One for each handle, also where the bake was put together by hand and has none.
+std::vector<double> StiffnessOfHandles(const BakedCharacter& baked) {
+  std::vector<double> stiffness = baked.handle_stiffness;
+  stiffness.resize(baked.tables.handles.size(), 1);
+  return stiffness;
+}
+
 Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const GltfMorphMesh& mesh,
                 GltfPatch* patch, size_t* rig_index) {
   Json& root = patch->json();
@@ -194,7 +201,7 @@ Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const Gltf
                   &primitives[static_cast<size_t>(primitive.gltf_primitive)]["attributes"]);
   }
   RigJson rig = DescribeRig(baked, mesh, patch);
-  PlaceHandleNodes(old_rig, raw.node, &rig.tables.handles, &root);
+  PlaceHandleNodes(old_rig, raw.node, StiffnessOfHandles(baked), &rig.tables.handles, &root);
   Json entry = WriteRigJson(raw.name, rig);
   if (replaces) {
     rigs[*rig_index] = std::move(entry);

@@ -32,6 +32,8 @@ constexpr char kFooter[] =
                        freedom; "stiffness":10 makes the region around a handle ten times as stiff
   --auto-handles N     N points spread over the extremities
   nodes of the glTF    whose extras say {"limber_handle":true}, or {"limber_handle":{"pinned":false}}
+A painted map makes regions stiffer or softer: --stiffness COLOR_0 takes the first channel, black a
+hundredth, mid-grey as it is, white a hundred times as stiff; a float attribute is the factor itself.
 Everything else in the input file survives. Bake last: tools that rewrite the mesh afterwards make
 the bake stale, which the loader notices and refuses. The same input gives the same bytes.
 
@@ -42,7 +44,7 @@ Examples:
 )";
 
 struct BakeCommandOptions {
-  std::string input, output, handle_file, node;
+  std::string input, output, handle_file, node, stiffness;
   int num_auto_handles = 0;
   bool no_base = false;
   bake::BakeOptions bake;
@@ -177,6 +179,7 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
   bake::ImportOptions import_options;
   import_options.node = options.node;
   import_options.include_base = !options.no_base;
+  import_options.stiffness = options.stiffness;
   const Result<bake::RawCharacter> raw = bake::ImportGltf(options.input, import_options);
   if (!raw.ok()) return fail(raw.status());
   Result<HandleChoice> choice =
@@ -238,6 +241,10 @@ Command AddBakeCommand(CLI::App* parent) {
                   "Most handles that a vertex follows, the largest weights kept (default: all)")
       ->check(CLI::Range(1, 1024))
       ->option_text("K");
+  app->add_option("--stiffness", options->stiffness,
+                  "Vertex attribute that scales the stiffness: _NAME, or COLOR_0 as a painted map "
+                  "(default: _LIMBER_STIFFNESS where there is one)")
+      ->option_text("ATTRIBUTE");
   app->add_flag("--no-rotations", options->no_rotations,
                 "Bake only for blending without local rotations (faces): a smaller file");
   app->add_option("--threads", options->bake.num_threads, "Threads to use (default: one per core)")

@@ -2,6 +2,7 @@
 
 #include "import/mesh_node.h"
 #include "import/node_transforms.h"
+#include "import/vertex_stiffness.h"
 #include "load/gltf_mesh.h"
 
 #include <Eigen/LU>
@@ -169,6 +170,9 @@ Result<RawCharacter> ImportGltf(const GltfFile& file, const ImportOptions& optio
   raw.mesh = json["mesh"].get<int>();
   Result<GltfMorphMesh> mesh = ReadMorphMesh(file, raw.mesh);
   if (!mesh.ok()) return mesh.status();
+  Result<std::vector<float>> stiffness = ReadVertexStiffness(file, *mesh, options.stiffness);
+  if (!stiffness.ok()) return stiffness.status().WithContext(file.name());
+  raw.stiffness = std::move(stiffness).value();
   raw.name = json.value("name", "").empty() ? mesh->name : json.value("name", "");
   raw.warnings = std::move(mesh->warnings);
   FillShapes(*mesh, options.include_base, &raw);

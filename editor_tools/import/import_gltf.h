@@ -17,12 +17,14 @@ struct ImportOptions {
   // Whether the base mesh is an example shape itself (the first one, "base"). Without it the first
   // target is at rest, and normals are computed from it: those of the file belong to the base.
   bool include_base = true;
+  // The vertex attribute that says how stiff the surface is; empty: see ReadVertexStiffness.
+  std::string stiffness;
 };
 
 // The mesh in its own (node-local) space. A node marked with extras {"limber_handle": true} or
 // {"limber_handle": {"pinned": false}} becomes a wish for a handle of the node's name, at the
 // node's position brought into mesh space. Errors, one line each that begins with the file: those
-// of GltfFile::Open and ReadMorphMesh; kNotFound (no such node), kInvalidArgument (several
+// of GltfFile::Open, ReadMorphMesh and ReadVertexStiffness; kNotFound (no such node), kInvalidArgument (several
 // candidates, all listed), kNoExamples, kMalformed (a mark that is not understood, a transform that
 // cannot be inverted).
 Result<RawCharacter> ImportGltf(const std::filesystem::path& path,

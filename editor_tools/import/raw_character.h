@@ -29,6 +29,7 @@ struct RawCharacter {
   std::vector<Vec3> normals;            // D or empty: as in the file, of the base mesh
   std::vector<float> tangents;          // 4 * D or empty
   std::vector<float> texcoords;         // 2 * D or empty
+  std::vector<float> stiffness;         // D or empty: factors (vertex_stiffness.h)
   std::vector<uint32_t> source_vertex;  // D: the source's own vertex order
   uint32_t num_source_vertices = 0;
 

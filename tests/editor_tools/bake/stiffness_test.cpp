@@ -86,6 +86,45 @@ TEST(Stiffness, OfOneRegion_MovesTheStretchToTheOthers) {
   EXPECT_LT(bottom(soft), bottom(plain));
 }
 
+RawCharacter Painted(double low, double high) {
+  RawCharacter raw = test::MakeBendCylinder(12, 20);
+  for (int v = 0; v < raw.num_draw_vertices(); ++v)
+    raw.stiffness.push_back(static_cast<float>(raw.shapes[0](v, 1) < 1 ? low : high));
+  return raw;
+}
+
+TEST(Stiffness, PaintedOneEverywhere_ChangesNoBit) {
+  const RawCharacter plain = test::MakeBendCylinder(12, 20), painted = Painted(1, 1);
+  const auto without = Bake(plain, plain.marked_handles, {}, {});
+  const auto with = Bake(painted, painted.marked_handles, {}, {});
+  ASSERT_TRUE(without.ok() && with.ok());
+  EXPECT_EQ(without->tables.mode_edges, with->tables.mode_edges);
+  EXPECT_EQ(without->tables.residual_factor, with->tables.residual_factor);
+}
+
+// The same everywhere, on the surface or at the handles: both scale every edge alike.
+TEST(Stiffness, Painted_MultipliesThatOfTheHandles) {
+  const Stretched painted = Stretch(Painted(4, 4)), said = Stretch(MakeCylinder(4, 4, 4));
+  EXPECT_NEAR(painted.report.energy, said.report.energy, 1e-5 * said.report.energy);
+  RawCharacter both = MakeCylinder(2, 2, 2);
+  both.stiffness = Painted(2, 2).stiffness;
+  EXPECT_NEAR(Stretch(both).report.energy, said.report.energy, 1e-5 * said.report.energy);
+}
+
+TEST(Stiffness, PaintedOnOneHalf_MovesTheStretchToTheOther) {
+  const Stretched plain = Stretch(Painted(1, 1)), stiff_top = Stretch(Painted(1, 100));
+  EXPECT_LT(stiff_top.Stretch(1.4, 1.8) - 1, 0.5 * (plain.Stretch(1.4, 1.8) - 1));
+  EXPECT_GT(stiff_top.Stretch(0.2, 0.6), plain.Stretch(0.2, 0.6));
+}
+
+TEST(Stiffness, OfAnotherNumberOfVertices_IsRefused) {
+  RawCharacter raw = Painted(1, 1);
+  raw.stiffness.pop_back();
+  const Status status = Bake(raw, raw.marked_handles, {}, {}).status();
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("stiffness"), std::string::npos) << status.message();
+}
+
 TEST(Stiffness, OutOfRange_IsRefusedByName) {
   for (const double wrong : {0.0, -1.0, 1e4, std::nan("")}) {
     const RawCharacter raw = MakeCylinder(1, wrong, 1);

@@ -155,6 +155,28 @@ TEST(WriteBaked, BakingTheBakedFileAgain_ChangesNoByte) {
   EXPECT_EQ(ReadBytes(first), ReadBytes(second));
 }
 
+TEST(WriteBaked, StiffnessOfHandles_IsFoundByTheNextBake) {
+  const TemporaryFolder folder;
+  const fs::path source = WriteRichSource(folder.path()), out = folder.path() / "out.glb";
+  const RawCharacter raw = Import(source);
+  BakedCharacter baked = MakeSyntheticBake(raw, {});
+  const std::vector<RigHandle>& handles = baked.tables.handles;
+  for (size_t h = 0; h < handles.size(); ++h)
+    baked.handle_stiffness.push_back(h % 2 == 0 ? 1 : 10 * double(h));
+  ExpectOk(bake::WriteBaked(source, raw, baked, out));
+  int made = 0;
+  for (const bake::HandleSpec& found : Import(out).marked_handles) {
+    const auto handle =
+        std::find_if(handles.begin(), handles.end(),
+                     [&found](const RigHandle& other) { return other.name == found.name; });
+    ASSERT_NE(handle, handles.end());
+    if (handle->node >= 0) continue;  // a node of the artist, which is left alone
+    EXPECT_EQ(found.stiffness, baked.handle_stiffness[size_t(handle - handles.begin())]);
+    ++made;
+  }
+  EXPECT_GE(made, 3);
+}
+
 TEST(WriteBaked, BakingWithFewerHandles_LeavesNothingOfTheOldBake) {
   const TemporaryFolder folder;
   const fs::path source = WriteRichSource(folder.path()), first = folder.path() / "first.glb";
