@@ -18,6 +18,8 @@ constexpr double kGapTolerance = 1e-12;
 constexpr double kDualTolerance = 1e-8;
 constexpr double kStationarityTolerance = 1e-8;
 constexpr double kStepToBoundary = 0.995;
+// Of the largest gradient at zero: what the gap is relative to where the optimum is zero.
+constexpr double kSmallestObjective = 1e-6;
 
 // The start: so far inside the bounds, and such a product of distance and multiplier there.
 constexpr double kStartMargin = 0.02, kStartProduct = 1e-3;
@@ -205,7 +207,8 @@ class LaneSolver {
     gradient_ = Qx_ + linear_;
     dual_residual_ = gradient_ - at_.z + at_.v;
     complementarity_ = at_.Complementarity();
-    sizes_ = 0.5 * SumOfProducts(at_.x, Qx_) + SumOfProducts(linear_, at_.x).abs();
+    sizes_ = (0.5 * SumOfProducts(at_.x, Qx_) + SumOfProducts(linear_, at_.x).abs())
+                 .max(kSmallestObjective);
   }
 
   // Fills the lane's report.

@@ -16,7 +16,7 @@ struct BoundedQuadraticReport {
   // Largest entry of x - clamp(x - gradient / gradient_scale, 0, 1): zero exactly at the optimum.
   double stationarity = 0;
   // Upper bound on the excess of the objective over its minimum, relative to the objective's size
-  // ½ x^T Q x + |c^T x|.
+  // ½ x^T Q x + |c^T x|, or to a millionth of the largest |c_i| where that is smaller.
   double gap = 0;
   bool converged = false;
 };

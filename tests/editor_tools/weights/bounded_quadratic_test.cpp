@@ -145,6 +145,18 @@ TEST(BoundedQuadratic, NoPull_StaysAtZero) {
   EXPECT_EQ(x, VectorXd::Zero(3));
 }
 
+// Everything is pushed down: the objective at the optimum is zero, and nothing can be relative to it.
+TEST(BoundedQuadratic, OptimumAtZero_IsReached) {
+  const Problem problem = RandomProblem(30, 100, 4);
+  VectorXd c(30), x;
+  for (int i = 0; i < 30; ++i)
+    c(i) = i % 3 == 0 ? 0 : 1 + 0.1 * i;
+  BoundedQuadraticReport report;
+  Solve(problem.Q, c, KeepGoing, &x, &report);
+  EXPECT_TRUE(report.converged) << report.gap << " " << report.stationarity;
+  EXPECT_LT(x.maxCoeff(), 1e-6);
+}
+
 TEST(BoundedQuadratic, Stopped_SaysSo) {
   const Problem problem = RandomProblem(20, 100, 3);
   int allowed = 3;
