@@ -7,6 +7,7 @@
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
+#include "bake/weight_rows.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "rig/rest_frames.h"
@@ -225,8 +226,11 @@ class BakeRun {
 
   Status FindWeights() {
     LIMBER_RETURN_IF_ERROR(Begin("weights", 0.02, 0.6));
-    Result<Eigen::MatrixXd> weights = BoundedBiharmonicWeights(
-        mesh_, handle_vertices_, options_.num_threads, clock_.Inner(), &baked_.weights);
+    Result<Eigen::MatrixXd> weights =
+        raw_.painted_weights.rows() > 0
+            ? CompletePaintedWeights(mesh_, tables().num_handles(), raw_.painted_weights)
+            : BoundedBiharmonicWeights(mesh_, handle_vertices_, options_.num_threads,
+                                       clock_.Inner(), &baked_.weights);
     if (!weights.ok()) return weights.status();
     weights_ = std::move(weights).value();
     baked_.influences = PruneInfluences(options_.influences, &weights_);

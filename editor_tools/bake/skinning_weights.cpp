@@ -1,6 +1,7 @@
 #include "bake/skinning_weights.h"
 
 #include "bake/bounded_quadratic.h"
+#include "bake/weight_rows.h"
 #include "geometry/robust_laplacian.h"
 #include "geometry/union_find.h"
 
@@ -233,49 +234,14 @@ class HandleSolver {
   std::string failure_;
 };
 
-// Rows that every handle's problem left at zero take the mean of their neighbours, ring by ring
-// from the rows that have weights. (Bounded weights need not sum to one by themselves; so far from
-// all handles nothing else says whom a vertex follows.)
-void FillEmptyRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
-  std::vector<bool> filled(static_cast<size_t>(weights->rows()));
-  for (Eigen::Index v = 0; v < weights->rows(); ++v)
-    filled[v] = weights->row(v).sum() > 0;
-  while (std::find(filled.begin(), filled.end(), false) != filled.end()) {
-    MatrixXd sums = MatrixXd::Zero(weights->rows(), weights->cols());
-    std::vector<bool> reached = filled;
-    const auto spread = [&](int from, int to) {
-      if (!filled[from] || filled[to]) return;
-      sums.row(to) += weights->row(from) / weights->row(from).sum();
-      reached[to] = true;
-    };
-    const auto spread_both = [&](int a, int b) {
-      spread(a, b);
-      spread(b, a);
-    };
-    for (const auto& [a, b, c] : mesh.triangles) {
-      spread_both(a, b);
-      spread_both(b, c);
-      spread_both(c, a);
-    }
-    for (const geometry::Bridge& bridge : mesh.bridges)
-      spread_both(bridge.a, bridge.b);
-    for (size_t v = 0; v < filled.size(); ++v) {
-      const auto row = static_cast<Eigen::Index>(v);
-      if (reached[v] && !filled[v]) weights->row(row) = sums.row(row);
-    }
-    filled = reached;
-  }
-}
-
+// (Bounded weights need not sum to one by themselves; a row far from all handles may be zero.)
 void NormaliseRows(const geometry::SolveMesh& mesh, WeightsReport* report, MatrixXd* weights) {
   for (double& weight : weights->reshaped()) {
     report->bound_violation = std::max({report->bound_violation, -weight, weight - 1});
     weight = weight < kNegligibleWeight ? 0 : std::min(weight, 1.0);
   }
   report->sum_error = (weights->rowwise().sum().array() - 1).abs().maxCoeff();
-  FillEmptyRows(mesh, weights);
-  for (Eigen::Index v = 0; v < weights->rows(); ++v)
-    weights->row(v) /= weights->row(v).sum();
+  CompleteRows(mesh, weights);
 }
 
 }  // namespace

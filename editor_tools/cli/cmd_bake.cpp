@@ -1,4 +1,5 @@
 // limber bake: a glTF with morph targets and handles -> a glTF that a game can drag.
+#include "animation/painted_weights.h"
 #include "bake/bake.h"
 #include "bake/write_baked.h"
 #include "cli/character_input.h"
@@ -23,6 +24,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
+// Where the skinning weights come from.
+constexpr char kComputedWeights[] = "computed", kSkinWeights[] = "skin", kColorWeights[] = "colors";
+
 constexpr char kFooter[] =
     R"(Handles are the points that a game drags. They come from, in this order:
   --handles FILE       {"handles":[{"name":"tail","vertex":123},
@@ -40,11 +44,12 @@ the bake stale, which the loader notices and refuses. The same input gives the s
 Examples:
   limber bake cat.glb -o cat_baked.glb                      handles marked in the file
   limber bake horse.glb -o horse_baked.glb --auto-handles 10
+  limber bake hero.glb -o hero_baked.glb --weights skin       the joints are the handles
   limber bake face.glb -o face_baked.glb --handles face_handles.json --no-rotations
 )";
 
 struct BakeCommandOptions {
-  std::string input, output, handle_file, node, stiffness;
+  std::string input, output, handle_file, node, stiffness, weights = kComputedWeights;
   int num_auto_handles = 0;
   bool no_base = false;
   bake::BakeOptions bake;
@@ -52,6 +57,16 @@ struct BakeCommandOptions {
 };
 
 // Baking in place is allowed: nothing of the input is lost.
+Status CheckWeights(const BakeCommandOptions& options) {
+  if (options.weights != kSkinWeights ||
+      (options.handle_file.empty() && options.num_auto_handles == 0)) {
+    return {};
+  }
+  return Error(
+      StatusCode::kInvalidArgument,
+      "--weights skin: the joints are the handles; leave --handles and --auto-handles out");
+}
+
 Status CheckOutput(const BakeCommandOptions& options) {
   LIMBER_RETURN_IF_ERROR(bake::CheckOutputPlace(options.output));
   return bake::CheckKeepsInputs(options.output, std::array<fs::path, 1>{options.handle_file});
@@ -62,7 +77,7 @@ struct BakeSummary {
   double seconds = 0;
 };
 
-Json WeightsJson(const bake::BakedCharacter& baked) {
+Json WeightsJson(const BakeCommandOptions& options, const bake::BakedCharacter& baked) {
   Json handles = Json::array();
   for (size_t h = 0; h < baked.weights.handles.size(); ++h) {
     const bake::HandleOptimality& optimality = baked.weights.handles[h];
@@ -72,7 +87,8 @@ Json WeightsJson(const bake::BakedCharacter& baked) {
                        {"complementarity", optimality.complementarity}});
   }
   const bake::InfluenceReport& influences = baked.influences;
-  return {{"bound_violation", baked.weights.bound_violation},
+  return {{"source", options.weights},
+          {"bound_violation", baked.weights.bound_violation},
           {"stationarity", baked.weights.stationarity},
           {"complementarity", baked.weights.complementarity},
           {"handles", handles},
@@ -84,7 +100,10 @@ Json WeightsJson(const bake::BakedCharacter& baked) {
             {"rms_change", influences.rms_change}}}};
 }
 
-std::string WeightsText(const bake::BakedCharacter& baked) {
+std::string WeightsText(const BakeCommandOptions& options, const bake::BakedCharacter& baked) {
+  if (options.weights == kSkinWeights) return "as painted, from the skin";
+  if (options.weights == kColorWeights) return "as painted, from the vertex colours";
+  if (baked.weights.handles.empty()) return "one everywhere, of the only handle";
   char text[256];
   std::snprintf(text, sizeof text, "optimal to %.1g of a handle's pull, duality gap %.1g",
                 baked.weights.stationarity, baked.weights.complementarity);
@@ -128,7 +147,7 @@ Json SummaryJson(const BakeCommandOptions& options, const BakeSummary& summary,
           {"groups", baked.tables.num_groups},
           {"modes", baked.tables.num_modes},
           {"rotations", baked.tables.has_rotations},
-          {"weights", WeightsJson(baked)},
+          {"weights", WeightsJson(options, baked)},
           {"cost", CostJson(baked.cost)},
           {"seconds", summary.seconds},
           {"timings", timings},
@@ -161,13 +180,49 @@ void PrintSummary(const BakeCommandOptions& options, const BakeSummary& summary,
                 names.c_str());
   console.Print("  model    %d edge groups, %d modes%s", tables.num_groups, tables.num_modes,
                 tables.has_rotations ? "" : ", without rotations");
-  if (!baked.weights.handles.empty()) console.Print("  weights  %s", WeightsText(baked).c_str());
+  console.Print("  weights  %s", WeightsText(options, baked).c_str());
   console.Print("  follows  %s", InfluencesText(baked.influences).c_str());
   console.Print("  cost     %s", CostText(baked.cost).c_str());
   console.Print("  time     %.2f s (%s)", summary.seconds, stages.c_str());
 }
 
+struct Source {
+  bake::RawCharacter raw;
+  HandleChoice choice;
+};
+
+// The character with its handles, and with their weights where those are painted.
+Result<Source> ReadSource(const BakeCommandOptions& options) {
+  const Result<GltfFile> file = GltfFile::Open(options.input);
+  if (!file.ok()) return file.status();
+  bake::ImportOptions import_options;
+  import_options.node = options.node;
+  import_options.include_base = !options.no_base;
+  import_options.stiffness = options.stiffness;
+  Result<bake::RawCharacter> raw = bake::ImportGltf(*file, import_options);
+  if (!raw.ok()) return raw.status();
+  HandleChoice choice;
+  if (options.weights != kSkinWeights) {
+    Result<HandleChoice> chosen =
+        ChooseHandleSource(*raw, options.handle_file, options.num_auto_handles);
+    if (!chosen.ok()) return chosen.status();
+    choice = std::move(chosen).value();
+  }
+  if (options.weights != kComputedWeights) {
+    Result<bake::PaintedWeights> painted = options.weights == kSkinWeights
+                                               ? bake::WeightsOfSkin(*file, *raw)
+                                               : bake::WeightsOfColors(*file, *raw, choice.handles);
+    if (!painted.ok()) return painted.status().WithContext(file->name());
+    if (options.weights == kSkinWeights)
+      choice = {std::move(painted->handles), "joints of the skin"};
+    raw->painted_weights = std::move(painted->weights);
+    raw->warnings.insert(raw->warnings.end(), painted->warnings.begin(), painted->warnings.end());
+  }
+  return Source{std::move(raw).value(), std::move(choice)};
+}
+
 ExitCode RunBake(BakeCommandOptions options, const Console& console) {
+  if (Status s = CheckWeights(options); !s.ok()) return console.Fail(s);
   if (Status s = CheckOutput(options); !s.ok()) return console.Fail(s);
   const auto start = Clock::now();
   ProgressBar progress(console);
@@ -176,16 +231,11 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
     return console.Fail(status);
   };
   progress.Update("read", 0);
-  bake::ImportOptions import_options;
-  import_options.node = options.node;
-  import_options.include_base = !options.no_base;
-  import_options.stiffness = options.stiffness;
-  const Result<bake::RawCharacter> raw = bake::ImportGltf(options.input, import_options);
-  if (!raw.ok()) return fail(raw.status());
-  Result<HandleChoice> choice =
-      ChooseHandleSource(*raw, options.handle_file, options.num_auto_handles);
-  if (!choice.ok()) return fail(choice.status());
-  if (Status s = bake::CheckBeforeBake(options.input, *raw, choice->handles.size(), options.output);
+  Result<Source> source = ReadSource(options);
+  if (!source.ok()) return fail(source.status());
+  const bake::RawCharacter& raw = source->raw;
+  if (Status s =
+          bake::CheckBeforeBake(options.input, raw, source->choice.handles.size(), options.output);
       !s.ok()) {
     return fail(s);
   }
@@ -194,18 +244,19 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
   const auto report = [&](const char* stage, double fraction) {
     return progress.Update(stage, fraction);
   };
-  Result<bake::BakedCharacter> baked = bake::Bake(*raw, choice->handles, options.bake, report);
+  Result<bake::BakedCharacter> baked =
+      bake::Bake(raw, source->choice.handles, options.bake, report);
   if (!baked.ok()) return fail(baked.status());
   if (!progress.Update("write", 1)) return fail(Error(StatusCode::kInvalidArgument, "cancelled"));
-  if (Status s = bake::WriteBaked(options.input, *raw, *baked, options.output); !s.ok())
+  if (Status s = bake::WriteBaked(options.input, raw, *baked, options.output); !s.ok())
     return fail(s);
   progress.Clear();
 
-  const BakeSummary summary{std::move(choice).value(),
+  const BakeSummary summary{std::move(source->choice),
                             std::chrono::duration<double>(Clock::now() - start).count()};
   PrintSummary(options, summary, *baked, console);
   console.Emit(SummaryJson(options, summary, *baked));
-  console.Warn(raw->warnings);
+  console.Warn(raw.warnings);
   console.Warn(baked->warnings);
   return kSuccess;
 }
@@ -237,6 +288,12 @@ Command AddBakeCommand(CLI::App* parent) {
                   "Edge groups that rotate and blend as one (default: twice the handles)")
       ->check(CLI::Range(1, 4096))
       ->option_text("N");
+  app->add_option(
+         "--weights", options->weights,
+         "Skinning weights: computed, skin (the joints of the mesh's skin are the handles) or "
+         "colors (handle i has channel i % 4 of COLOR_(i / 4))")
+      ->check(CLI::IsMember({kComputedWeights, kSkinWeights, kColorWeights}))
+      ->option_text("computed|skin|colors");
   app->add_option("--influences", options->bake.influences,
                   "Most handles that a vertex follows, the largest weights kept (default: all)")
       ->check(CLI::Range(1, 1024))
