@@ -7,6 +7,7 @@
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
+#include "bake/small_parts.h"
 #include "bake/weight_rows.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
@@ -233,6 +234,7 @@ class BakeRun {
                                        clock_.Inner(), &baked_.weights);
     if (!weights.ok()) return weights.status();
     weights_ = std::move(weights).value();
+    if (raw_.painted_weights.rows() == 0) HoldSmallParts(mesh_, handle_vertices_, &weights_);
     baked_.influences = PruneInfluences(options_.influences, &weights_);
     // The runtime skins with single-precision weights: the tensors are summed over the same ones.
     weights_ = weights_.cast<float>().cast<double>();

@@ -15,7 +15,7 @@ using PointMatrix = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 // An artificial edge that ties a component (an eye, a tooth) to its neighbour, so that it follows
 // and no system is singular. `weight` stands beside cotangent weights.
 struct Bridge {
-  int a = 0, b = 0;  // solve vertices
+  int a = 0, b = 0;  // solve vertices: of the part that is tied, and of what it is tied to
   double weight = 0;
 };
 

@@ -172,6 +172,10 @@ const bool kRegistered = [] {
   Register("bake/horse_10", MakeHorse, WholeBake);
   Register("bake/24k_9x6", MakeOf({24000, 9, 6}), WholeBake);
   Register("bake/100k_16x8", MakeOf({100000, 16, 8}), WholeBake);
+  for (const int thousands : {2, 4, 8, 16, 32, 64}) {
+    const std::string name = "bake_growth/" + std::to_string(thousands) + "k_9x6";
+    Register(name.c_str(), MakeOf({1000 * thousands, 9, 6}), WholeBake);
+  }
   return true;
 }();
 
