@@ -179,7 +179,8 @@ class BakeRun {
         mesh_, handle_vertices_, static_cast<double>(tables().space.scale), options_.num_threads);
     LIMBER_RETURN_IF_ERROR(FindGroups());
     LIMBER_RETURN_IF_ERROR(Begin("tensors", 0.7, 1));
-    const ReduceInput input{&mesh_, &weights_, &edges_, num_groups_, handle_vertices_};
+    const ReduceInput input{&mesh_,      &weights_,        &edges_,
+                            num_groups_, handle_vertices_, options_.num_threads};
     LIMBER_RETURN_IF_ERROR(Reduce(input, clock_.Inner(), &tables()));
     FillSkinMesh(raw_, mesh_, weights_, tables().space, &baked_.mesh);
     baked_.cost = EstimateCost(tables(), mesh_.num_vertices(), raw_.num_draw_vertices());

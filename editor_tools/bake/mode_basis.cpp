@@ -1,5 +1,7 @@
 #include "bake/mode_basis.h"
 
+#include "bake/block_products.h"
+
 #include <Eigen/Eigenvalues>
 
 namespace limber::bake {
@@ -10,13 +12,6 @@ namespace {
 constexpr double kMotionCut = 1e-13;
 // Below this fraction of the largest energy a mode counts as free of energy.
 constexpr double kEnergyCut = 1e-13;
-
-// The Gram matrix of the columns, only as fast as half of it needs to be.
-Eigen::MatrixXd Gram(const Eigen::MatrixXd& matrix) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(matrix.cols(), matrix.cols());
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(matrix.transpose());
-  return gram.selfadjointView<Eigen::Lower>();
-}
 
 }  // namespace
 
@@ -38,10 +33,11 @@ Eigen::MatrixXd SkinningMatrix(const Eigen::MatrixXd& weights, const Eigen::Matr
 }
 
 Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
-                                   const Eigen::SparseMatrix<double>& laplacian) {
+                                   const Eigen::SparseMatrix<double>& laplacian, int num_threads) {
   // First the directions that move vertices, scaled to equal motion: in them energies are
   // physical, and no digits are lost on directions that are nearly dependent.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> motion(Gram(skinning));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> motion(
+      SymmetricProduct(skinning, skinning, num_threads));
   if (motion.info() != Eigen::Success) {
     return Error(StatusCode::kInternal, "reduce: the motion eigenproblem did not converge");
   }
@@ -53,10 +49,10 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   const Eigen::Index kept = n - first;
   const Eigen::MatrixXd moving = motion.eigenvectors().rightCols(kept) *
                                  motions.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd fields = skinning * moving;
-
-  const Eigen::MatrixXd energy_matrix = fields.transpose() * (laplacian * fields);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energy(energy_matrix);
+  const Eigen::MatrixXd fields = Product(skinning, moving, num_threads);
+  const Eigen::MatrixXd forces = laplacian * fields;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energy(
+      SymmetricProduct(fields, forces, num_threads));
   if (energy.info() != Eigen::Success) {
     return Error(StatusCode::kInternal, "reduce: the energy eigenproblem did not converge");
   }
@@ -70,7 +66,7 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   }
   const Eigen::MatrixXd whiten = energy.eigenvectors().rightCols(num_modes) *
                                  energies.tail(num_modes).cwiseSqrt().cwiseInverse().asDiagonal();
-  return ModeBasis{moving * whiten, fields * whiten};
+  return ModeBasis{moving * whiten, Product(fields, whiten, num_threads)};
 }
 
 Eigen::MatrixXd ReachableShape(const ModeBasis& basis, const Eigen::SparseMatrix<double>& laplacian,

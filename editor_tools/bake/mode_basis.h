@@ -19,9 +19,10 @@ struct ModeBasis {
 
 // skinning: M of eq. 6, V x n. laplacian: L of eq. 14, V x V, connected.
 // Errors: kDegenerate when more than one direction moves vertices without energy (a part that
-// hangs on nothing), kInternal when an eigen-decomposition fails.
+// hangs on nothing), kInternal when an eigen-decomposition fails. num_threads <= 0: one per core;
+// the bits are the same for any number.
 Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
-                                   const Eigen::SparseMatrix<double>& laplacian);
+                                   const Eigen::SparseMatrix<double>& laplacian, int num_threads);
 
 // `shape` (V x k) as nearly as the modes and a translation reach it, nearest in energy: within a
 // millionth of its size if it is an example shape.

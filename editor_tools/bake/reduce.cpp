@@ -100,7 +100,8 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   tables->num_groups = input.num_groups;
 
   Result<ModeBasis> basis = ComputeModeBasis(
-      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian);
+      SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian,
+      input.num_threads);
   if (!basis.ok()) return basis.status();
   StoreModes(input, *basis, tables);
   if (cancelled("tensors", 0.5)) return Error(StatusCode::kInvalidArgument, "cancelled");
@@ -128,8 +129,8 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
 
   const std::vector<GroupTensors> groups =
       BuildGroupTensors(shapes, *input.edges, input.num_groups);
-  const SingleShapeInput single{&shapes, input.weights, &groups, &laplacian,
-                                &input.handle_vertices};
+  const SingleShapeInput single{&shapes,    input.weights,          &groups,
+                                &laplacian, &input.handle_vertices, input.num_threads};
   return BuildSingleShapeModels(single, tables);
 }
 

@@ -18,6 +18,7 @@ struct ReduceInput {
   const std::vector<geometry::GroupEdge>* edges = nullptr;
   int num_groups = 0;
   std::vector<int> handle_vertices;
+  int num_threads = 0;  // 0: one per core; the bits are the same for any number
 };
 
 // Fills the counts and all float tables of *tables but handle_reach; handles and shape_names must

@@ -17,6 +17,7 @@ struct SingleShapeInput {
   const std::vector<GroupTensors>* groups = nullptr;
   const Eigen::SparseMatrix<double>* laplacian = nullptr;  // V x V
   const std::vector<int>* handle_vertices = nullptr;       // H
+  int num_threads = 0;                                     // 0: one per core
 };
 
 // Fills num_single_modes, single_handle_modes, single_edges, single_group_factors and
