@@ -74,7 +74,7 @@ set xlabel "vertices"
 set ylabel "seconds"
 set xtics ("2k" 2000, "4k" 4000, "8k" 8000, "16k" 16000, "32k" 32000, "64k" 64000)
 set grid
-set key left top
+set key left top Left reverse
 plot "rows.csv" using 1:2 with linespoints lw 2 pt 7 lc rgb "#d9372c" \
        title "all: exponent $(slope 2) at the end", \
      "rows.csv" using 1:3 with linespoints lw 2 pt 5 lc rgb "#2c9d45" \
