@@ -24,9 +24,9 @@ struct ImportOptions {
 // The mesh in its own (node-local) space. A node marked with extras {"limber_handle": true} or
 // {"limber_handle": {"pinned": false}} becomes a wish for a handle of the node's name, at the
 // node's position brought into mesh space. Errors, one line each that begins with the file: those
-// of GltfFile::Open, ReadMorphMesh and ReadVertexStiffness; kNotFound (no such node), kInvalidArgument (several
-// candidates, all listed), kNoExamples, kMalformed (a mark that is not understood, a transform that
-// cannot be inverted).
+// of GltfFile::Open, ReadMorphMesh and ReadVertexStiffness; kNotFound (no such node),
+// kInvalidArgument (several candidates, all listed), kNoExamples, kMalformed (a mark that is not
+// understood, a transform that cannot be inverted).
 Result<RawCharacter> ImportGltf(const std::filesystem::path& path,
                                 const ImportOptions& options = {});
 // The same from a file that is open already.

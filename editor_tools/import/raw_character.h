@@ -34,10 +34,10 @@ struct RawCharacter {
   uint32_t num_source_vertices = 0;
 
   std::vector<HandleSpec> marked_handles;  // nodes whose extras mark them as handles
-  // D x H: weights that an artist painted, for the handles that the character is baked with, in their
-  // order; rows need not sum to one. Without rows: the bake computes them.
+  // D x H: weights that an artist painted, for the handles that the character is baked with, in
+  // their order; rows need not sum to one. Without rows: the bake computes them.
   Eigen::MatrixXd painted_weights;
-  std::vector<std::string> warnings;       // one line each, for people
+  std::vector<std::string> warnings;  // one line each, for people
 
   int num_draw_vertices() const { return shapes.empty() ? 0 : static_cast<int>(shapes[0].rows()); }
 };

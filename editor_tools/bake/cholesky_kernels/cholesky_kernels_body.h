@@ -189,6 +189,18 @@ struct Panel {
   double* Row(ptrdiff_t row) const { return values + row * row_step; }
 };
 
+// sums[c] = (sums[c] - sum_{k < c} sums[k] L[c][k]) / L[c][c], one row of a tile; triangle: L of
+// the tile's columns.
+template <int kWidth, int kColumns>
+LIMBER_INLINE void SolveTriangle(const double* triangle, const Panel& panel, Lanes<kWidth>* sums) {
+  for (int c = 0; c < kColumns; ++c) {
+    const double* row = triangle + c * panel.row_step;
+    for (int k = 0; k < c; ++k)
+      sums[c] = MulSub<kWidth>(sums[k], Load<kWidth>(row + k * panel.lanes), sums[c]);
+    sums[c] *= Load<kWidth>(row + c * panel.lanes);
+  }
+}
+
 // kRows rows from `row` on, kColumns columns from `column` on, whose pivots are all above these
 // rows: takes off what lies left of them, then solves with the triangle of their pivots.
 template <int kWidth, int kRows, int kColumns>
@@ -204,22 +216,15 @@ LIMBER_INLINE void SolveTile(const Panel& panel, ptrdiff_t row, ptrdiff_t column
     SubtractProductsOf<kWidth, kRows, kColumns>(
         {panel.Row(row) + part, panel.Row(column) + part, panel.row_step, column, panel.lanes},
         sums);
-    for (int c = 0; c < kColumns; ++c) {
-      for (int r = 0; r < kRows; ++r) {
-        for (int k = 0; k < c; ++k) {
-          sums[r][c] = MulSub<kWidth>(sums[r][k],
-                                      Load<kWidth>(triangle + c * panel.row_step + k * panel.lanes),
-                                      sums[r][c]);
-        }
-        sums[r][c] *= Load<kWidth>(triangle + c * panel.row_step + c * panel.lanes);
+    for (int r = 0; r < kRows; ++r) {
+      SolveTriangle<kWidth, kColumns>(triangle, panel, sums[r]);
+      for (int c = 0; c < kColumns; ++c)
         Store<kWidth>(sums[r][c], to + r * panel.row_step + c * panel.lanes);
-      }
     }
   }
 }
 
-// The columns from 0 to `end` of kRows rows; returns the first that is left, all in whole tiles but
-// where the columns are the panel's last.
+// The columns from 0 to `end` of kRows rows.
 template <int kWidth, int kRows>
 LIMBER_INLINE void SolveRows(const Panel& panel, ptrdiff_t row, ptrdiff_t end) {
   ptrdiff_t column = 0;

@@ -145,7 +145,8 @@ TEST(BoundedQuadratic, NoPull_StaysAtZero) {
   EXPECT_EQ(x, VectorXd::Zero(3));
 }
 
-// Everything is pushed down: the objective at the optimum is zero, and nothing can be relative to it.
+// Everything is pushed down: the objective at the optimum is zero, and nothing can be relative to
+// it.
 TEST(BoundedQuadratic, OptimumAtZero_IsReached) {
   const Problem problem = RandomProblem(30, 100, 4);
   VectorXd c(30), x;
