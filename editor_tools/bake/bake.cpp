@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 namespace limber::bake {
 namespace {
@@ -235,11 +236,26 @@ class BakeRun {
                                        clock_.Inner(), &baked_.weights);
     if (!weights.ok()) return weights.status();
     weights_ = std::move(weights).value();
+    WarnOfWeights();
     if (raw_.painted_weights.rows() == 0) HoldSmallParts(mesh_, handle_vertices_, &weights_);
     baked_.influences = PruneInfluences(options_.influences, &weights_);
     // The runtime skins with single-precision weights: the tensors are summed over the same ones.
     weights_ = weights_.cast<float>().cast<double>();
     return {};
+  }
+
+  void WarnOfWeights() {
+    for (size_t h = 0; h < baked_.weights.handles.size(); ++h) {
+      const HandleOptimality& optimality = baked_.weights.handles[h];
+      if (optimality.converged) continue;
+      char text[256];
+      std::snprintf(
+          text, sizeof text,
+          "handle '%s': rounding stopped its weights short of their optimum (residual %.1g); "
+          "the mesh has triangles too badly shaped for more",
+          tables().handles[h].name.c_str(), optimality.stationarity);
+      baked_.warnings.emplace_back(text);
+    }
   }
 
   Status FindGroups() {

@@ -150,7 +150,7 @@ class HandleSolver {
     }
     for (size_t h = 0; h < reports_.size(); ++h) {
       const BoundedQuadraticReport& report = reports_[h];
-      if (report.converged) continue;
+      if (report.converged || report.stationarity <= kUsableStationarity) continue;
       return Error(StatusCode::kDegenerate,
                    "skinning weights: handle %zu: no optimum within %d iterations (residual %.3g, "
                    "gap %.3g); check the mesh around it for degenerate triangles",
@@ -269,7 +269,8 @@ Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
   for (Eigen::Index h = 0; h < num_handles; ++h)
     weights(handle_vertices[h], h) = 1;
   for (const BoundedQuadraticReport& solved : solver.reports()) {
-    report->handles.push_back({solved.iterations, solved.stationarity, solved.gap});
+    report->handles.push_back(
+        {solved.iterations, solved.converged, solved.stationarity, solved.gap});
     report->stationarity = std::max(report->stationarity, solved.stationarity);
     report->complementarity = std::max(report->complementarity, solved.gap);
   }

@@ -83,6 +83,7 @@ Json WeightsJson(const BakeCommandOptions& options, const bake::BakedCharacter& 
     const bake::HandleOptimality& optimality = baked.weights.handles[h];
     handles.push_back({{"name", baked.tables.handles[h].name},
                        {"iterations", optimality.iterations},
+                       {"converged", optimality.converged},
                        {"stationarity", optimality.stationarity},
                        {"complementarity", optimality.complementarity}});
   }
