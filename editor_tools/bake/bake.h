@@ -36,6 +36,7 @@ struct BakedCharacter {
   RigTables tables;
   SkinMesh mesh;
   std::vector<double> handle_stiffness;  // [H], for the handles' nodes
+  std::vector<int> vertex_groups;        // [V] edge group of each solve vertex, for tools
   WeightsReport weights;
   InfluenceReport influences;
   RigCost cost;

@@ -113,7 +113,8 @@ std::vector<size_t> UnlinkOldBake(Json* primitives, Json* rig) {
   for (Json& primitive : *primitives) {
     Json kept = Json::object();
     for (const auto& [name, index] : primitive["attributes"].items()) {
-      if (name == kWeldAttribute || name.rfind(kWeightsAttributePrefix, 0) == 0) {
+      if (name == kWeldAttribute || name == kGroupAttribute ||
+          name.rfind(kWeightsAttributePrefix, 0) == 0) {
         keep(index);
       } else {
         kept[name] = index;
@@ -131,13 +132,20 @@ std::vector<size_t> UnlinkOldBake(Json* primitives, Json* rig) {
 }
 
 // Per-vertex data of one primitive, solve vertices expanded to draw vertices.
-void AddAttributes(const SkinMesh& mesh, const SkinPrimitive& primitive, GltfPatch* patch,
+void AddAttributes(const BakedCharacter& baked, const SkinPrimitive& primitive, GltfPatch* patch,
                    Json* attributes) {
+  const SkinMesh& mesh = baked.mesh;
   constexpr size_t kPerAttribute = 4;
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
   const auto* solve = mesh.solve_vertex.data() + primitive.first_vertex;
   const std::vector<float> weld(solve, solve + primitive.num_vertices);
   (*attributes)[kWeldAttribute] = patch->AddFloats(kWeldAttribute, weld, 1, true);
+  if (!baked.vertex_groups.empty()) {
+    std::vector<float> groups(primitive.num_vertices);
+    for (size_t v = 0; v < groups.size(); ++v)
+      groups[v] = static_cast<float>(baked.vertex_groups[solve[v]]);
+    (*attributes)[kGroupAttribute] = patch->AddFloats(kGroupAttribute, groups, 1, true);
+  }
   for (size_t first = 0; first < num_handles; first += kPerAttribute) {
     std::vector<float> rows(kPerAttribute * primitive.num_vertices, 0.0f);
     const size_t used = std::min(kPerAttribute, num_handles - first);
@@ -197,7 +205,7 @@ Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const Gltf
   Json& primitives = root["meshes"][static_cast<size_t>(raw.mesh)]["primitives"];
   patch->RemoveAccessors(UnlinkOldBake(&primitives, replaces ? &rigs[*rig_index] : nullptr));
   for (const SkinPrimitive& primitive : baked.mesh.primitives) {
-    AddAttributes(baked.mesh, primitive, patch,
+    AddAttributes(baked, primitive, patch,
                   &primitives[static_cast<size_t>(primitive.gltf_primitive)]["attributes"]);
   }
   RigJson rig = DescribeRig(baked, mesh, patch);

@@ -21,6 +21,7 @@ Command AddInfoCommand(CLI::App* parent);
 Command AddBenchCommand(CLI::App* parent);
 Command AddSolveCommand(CLI::App* parent);
 Command AddRenderCommand(CLI::App* parent);
+Command AddInspectCommand(CLI::App* parent);
 Command AddPlayCommand(CLI::App* parent);
 
 }  // namespace limber::cli

@@ -43,6 +43,7 @@ std::vector<Command> AddCommands(CLI::App* app) {
                                    AddSolveCommand(app), AddBenchCommand(app)};
 #ifdef LIMBER_WITH_VIEWER
   commands.push_back(AddRenderCommand(app));
+  commands.push_back(AddInspectCommand(app));
 #endif
 #ifdef LIMBER_WITH_PLAY
   commands.push_back(AddPlayCommand(app));

@@ -16,7 +16,9 @@ inline constexpr int kRigFormatVersion = 2;        // what is written
 inline constexpr int kOldestRigFormatVersion = 1;  // what is still read
 // Per-vertex data travels as vertex attributes, so that tools that re-index a mesh carry it along.
 inline constexpr char kWeightsAttributePrefix[] = "_LIMBER_WEIGHTS_";  // + 0, 1, ...: VEC4 floats
-inline constexpr char kWeldAttribute[] = "_LIMBER_WELD";      // SCALAR float: the solve vertex
+inline constexpr char kWeldAttribute[] = "_LIMBER_WELD";  // SCALAR float: the solve vertex
+// SCALAR float, optional: the edge group, for tools; the runtime does not read it.
+inline constexpr char kGroupAttribute[] = "_LIMBER_GROUP";
 inline constexpr char kSourceAttribute[] = "_LIMBER_SOURCE";  // SCALAR float: written by `pack`
 
 // The version of the format that brought a table; in older files it is absent, and then empty.

@@ -34,7 +34,10 @@ const std::map<std::string, Names> kToolRooms = {
     {"deform", {"geometry"}},
     {"bench", {"geometry", "import", "bake"}},
     {"viewer", {}},
-    {"cli", {"geometry", "import", "bake", "deform", "bench", "viewer", "gltf_edit", "animation"}},
+    {"inspect", {"viewer"}},
+    {"cli",
+     {"geometry", "import", "bake", "deform", "bench", "viewer", "inspect", "gltf_edit",
+      "animation"}},
 };
 
 bool Matches(const std::string& text, const char* pattern) {

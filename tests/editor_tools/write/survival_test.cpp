@@ -38,6 +38,7 @@ void StripBake(const Json& source, Json* baked) {
   used.erase(used.size() - 1);
   for (Json& primitive : (*baked)["meshes"][0]["primitives"]) {
     primitive["attributes"].erase(kWeldAttribute);
+    primitive["attributes"].erase(kGroupAttribute);
     primitive["attributes"].erase("_LIMBER_WEIGHTS_0");
     primitive["attributes"].erase("_LIMBER_WEIGHTS_1");
   }
