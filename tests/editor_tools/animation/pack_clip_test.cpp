@@ -184,7 +184,8 @@ TEST_F(PackClip, GlbAndGltf_AreCleanToTheValidator) {
   const auto text = bake::PackClip(Path("in.glb"), AtTimes({0.25, 1}), Path("out.gltf"));
   ASSERT_TRUE(text.ok()) << text.status().message();
   EXPECT_TRUE(IsValidGltf(Path("out.gltf")));
-  for (const Json& primitive : Open("out.gltf").json()["meshes"][0]["primitives"])
+  const GltfFile packed = Open("out.gltf");
+  for (const Json& primitive : packed.json()["meshes"][0]["primitives"])
     EXPECT_EQ(primitive["targets"].size(), 4u);
 }
 

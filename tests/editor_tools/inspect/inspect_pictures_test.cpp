@@ -1,5 +1,6 @@
 // The colours arrive in the picture: at a handle the top of the scale, far away its bottom.
 #include "inspect/colored_character.h"
+#include "runtime/skin_vulkan/test_device.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
 #include "viewer/headless.h"
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 namespace limber::inspect {
 namespace {
@@ -43,12 +45,20 @@ Drawn Draw(const std::shared_ptr<const Rig>& rig, const ColoredCharacter& charac
   return drawn;
 }
 
+class InspectPictures : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string reason = test::PrepareVulkan();
+    if (!reason.empty()) GTEST_SKIP() << "no Vulkan device: " << reason;
+  }
+};
+
 // Red and blue beside each other tell the ends of the scale apart in any light.
 double Yellowness(const uint8_t* pixel) {
   return (double{1} * pixel[0] + pixel[1]) / 2 - pixel[2];
 }
 
-TEST(InspectPictures, Weights_AreYellowAtTheirHandleAndBlueAtOthers) {
+TEST_F(InspectPictures, Weights_AreYellowAtTheirHandleAndBlueAtOthers) {
   const auto rig = test::BakeInMemory(test::MakeStretchSquare(16));  // planar: drawn unlit
   ASSERT_NE(rig, nullptr);
   for (int handle : {0, 2}) {
@@ -64,7 +74,7 @@ TEST(InspectPictures, Weights_AreYellowAtTheirHandleAndBlueAtOthers) {
   }
 }
 
-TEST(InspectPictures, Groups_HaveTheirColours) {
+TEST_F(InspectPictures, Groups_HaveTheirColours) {
   const auto rig = test::BakeInMemory(test::MakeStretchSquare(16));
   ASSERT_NE(rig, nullptr);
   std::vector<int> groups;
