@@ -1,10 +1,12 @@
 // limber inspect: pictures of what a bake made: weights, edge groups, active examples.
 #include "cli/command.h"
+#include "cli/handle_file_names.h"
 #include "cli/output.h"
 #include "cli/picture_size.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
 #include "inspect/colored_character.h"
+#include "inspect/group_colors.h"
 #include "inspect/picture_layout.h"
 #include "inspect/vertex_groups.h"
 #include "load/rig_loader.h"
@@ -26,11 +28,12 @@ constexpr char kWeights[] = "weights", kGroups[] = "groups", kExamples[] = "exam
 
 constexpr char kFooter[] =
     R"(Writes into DIR, as --what asks:
-  weights   weights_<handle>.png of each handle, blue 0 to yellow 1 with a line at each tenth, and
+  weights   weights_<handle>.png of each handle, indigo 0 to yellow 1 with a line at each tenth, and
             weights.png with all of them, in the order of the handles
-  groups    groups.png: the edge groups, which rotate and blend as one, each in its colour
-  examples  examples.png: which examples take part where, each group in their colours mixed; at rest, or
-            in frame N of a frames file (that of `limber solve`), after the frames before it
+  groups    groups.png: the edge groups, which rotate and blend as one, each in its own colour
+  examples  examples.png: which examples take part where, each group in their colours mixed; grey is
+            the rest shape alone. At rest, or in frame N of a frames file (that of `limber solve`),
+            reached through the frames before it
 The band along the lower edge is the legend: the scale, or the examples from left to right.
 
 Examples:
@@ -101,7 +104,7 @@ Result<std::vector<int>> ChosenHandles(const Rig& rig, const std::vector<std::st
                    "--handle %s: no handle has this name; there are %s", name.c_str(),
                    known.c_str());
     }
-    chosen.push_back(handle);
+    if (std::find(chosen.begin(), chosen.end(), handle) == chosen.end()) chosen.push_back(handle);
   }
   for (int h = 0; names.empty() && h < rig.num_handles(); ++h)
     chosen.push_back(h);
@@ -155,47 +158,38 @@ class Pictures {
   std::vector<std::string> names_;
 };
 
-// A handle's name as part of a file's.
-std::string FileName(std::string name) {
-  for (char& c : name) {
-    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.';
-    if (!is_plain) c = '_';
-  }
-  return name;
-}
-
-Status DrawWeights(const Subject& subject, const std::vector<int>& handles, Pictures* pictures,
-                   ProgressBar* progress) {
-  std::vector<viewer::Image> all;
+Status DrawWeights(const Subject& subject, const std::vector<int>& handles,
+                   const viewer::HeadlessOptions& size, Pictures* pictures, ProgressBar* progress) {
+  inspect::ContactSheet sheet(handles.size(), size.width, size.height);
+  const std::vector<std::string> names = HandleFileNames(subject.rig->tables().handles);
   for (size_t i = 0; i < handles.size(); ++i) {
     if (!progress->Update(kWeights, static_cast<double>(i) / static_cast<double>(handles.size())))
-      return Error(StatusCode::kInvalidArgument, "cancelled");
-    const int h = handles[i];
+      return Error(StatusCode::kInvalidArgument, "interrupted");
+    const auto h = static_cast<size_t>(handles[i]);
     viewer::HandleDot dot;
-    dot.position = subject.state.target(h);
-    dot.pinned = subject.rig->tables().handles[static_cast<size_t>(h)].pinned;
+    dot.position = subject.state.target(handles[i]);
+    dot.pinned = subject.rig->tables().handles[h].pinned;
     viewer::Image image;
-    LIMBER_RETURN_IF_ERROR(pictures->Draw(inspect::ColorByWeight(*subject.rig, h),
+    LIMBER_RETURN_IF_ERROR(pictures->Draw(inspect::ColorByWeight(*subject.rig, handles[i]),
                                           subject.state.transforms(), {&dot, 1}, &image));
-    inspect::DrawLegend(inspect::ScaleStrip(), &image);
-    const std::string& name = subject.rig->tables().handles[static_cast<size_t>(h)].name;
-    LIMBER_RETURN_IF_ERROR(pictures->Write("weights_" + FileName(name) + ".png", image));
-    all.push_back(std::move(image));
+    inspect::DrawLegend(inspect::ScaleLegend(), &image);
+    LIMBER_RETURN_IF_ERROR(pictures->Write("weights_" + names[h] + ".png", image));
+    sheet.Add(std::move(image));
   }
-  return pictures->Write("weights.png", inspect::ContactSheet(all));
+  return pictures->Write("weights.png", sheet.image());
 }
 
 Status DrawGroups(const Subject& subject, std::span<const int> groups, Pictures* pictures) {
+  const auto colors =
+      inspect::GroupColors(subject.rig->mesh(), groups, subject.rig->tables().num_groups);
   viewer::Image image;
-  LIMBER_RETURN_IF_ERROR(
-      pictures->Draw(inspect::ColorByGroup(*subject.rig, groups,
-                                           inspect::Palette(subject.rig->tables().num_groups)),
-                     subject.state.transforms(), {}, &image));
+  LIMBER_RETURN_IF_ERROR(pictures->Draw(inspect::ColorByGroup(*subject.rig, groups, colors),
+                                        subject.state.transforms(), {}, &image));
   return pictures->Write("groups.png", image);
 }
 
 Status DrawExamples(const Subject& subject, std::span<const int> groups, Pictures* pictures) {
-  const auto colors = inspect::Palette(subject.rig->tables().num_shapes());
+  const auto colors = inspect::ExampleColors(subject.rig->tables().num_shapes());
   const auto mixed = inspect::MixedByBlendWeights(subject.state.blend_weights(), colors);
   viewer::Image image;
   LIMBER_RETURN_IF_ERROR(pictures->Draw(inspect::ColorByGroup(*subject.rig, groups, mixed),
@@ -216,7 +210,7 @@ void Report(const Subject& subject, const InspectOptions& options, const OutputF
   console.Print("inspected %s: %zu pictures in %s", subject.rig->name().c_str(),
                 pictures.names().size(), output.path().c_str());
   Json legend = Json::object();
-  const auto colors = inspect::Palette(subject.rig->tables().num_shapes());
+  const auto colors = inspect::ExampleColors(subject.rig->tables().num_shapes());
   for (size_t s = 0; options.Asks(kExamples) && s < colors.size(); ++s) {
     const std::string& name = subject.rig->tables().shape_names[s];
     legend[name] = HexCode(colors[s]);
@@ -239,7 +233,7 @@ Status DrawAll(const Subject& subject, const InspectOptions& options, Pictures* 
     groups = std::move(read).value();
   }
   if (options.Asks(kWeights))
-    LIMBER_RETURN_IF_ERROR(DrawWeights(subject, *handles, pictures, progress));
+    LIMBER_RETURN_IF_ERROR(DrawWeights(subject, *handles, options.headless, pictures, progress));
   if (options.Asks(kGroups)) LIMBER_RETURN_IF_ERROR(DrawGroups(subject, groups, pictures));
   if (options.Asks(kExamples)) LIMBER_RETURN_IF_ERROR(DrawExamples(subject, groups, pictures));
   return {};

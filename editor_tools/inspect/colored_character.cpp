@@ -5,6 +5,8 @@
 namespace limber::inspect {
 namespace {
 
+constexpr float kShading = 0.4f;  // shows the form and leaves the colours readable
+
 // One matt material with that texture, for all triangles.
 ColoredCharacter Dressed(const Rig& rig, viewer::Image texture) {
   ColoredCharacter character;
@@ -16,6 +18,7 @@ ColoredCharacter Dressed(const Rig& rig, viewer::Image texture) {
   material.base_color_texture.image = 0;
   material.base_color_texture.repeat_u = material.base_color_texture.repeat_v = false;
   material.roughness = 1;
+  material.shading = kShading;
   material.double_sided = true;
   character.materials.materials = {material};
   character.materials.images = {std::move(texture)};
@@ -58,6 +61,7 @@ viewer::CharacterSource ColoredCharacter::Source() const {
 
 ColoredCharacter ColorByWeight(const Rig& rig, int handle) {
   ColoredCharacter character = Dressed(rig, ScaleStrip());
+  character.materials.materials[0].contours = true;
   SkinMesh& mesh = character.mesh;
   mesh.texcoords.clear();
   const auto num_handles = static_cast<size_t>(mesh.num_handles);

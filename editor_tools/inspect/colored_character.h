@@ -20,7 +20,7 @@ struct ColoredCharacter {
   viewer::CharacterSource Source() const;
 };
 
-// Each vertex by its weight of one handle (ScaleStrip).
+// Each vertex by its weight of one handle (ScaleColor), with a line at each tenth.
 ColoredCharacter ColorByWeight(const Rig& rig, int handle);
 
 // Each triangle in one colour, that of the group that most of its corners are in; on a tie the

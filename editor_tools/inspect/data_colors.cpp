@@ -11,11 +11,7 @@ constexpr uint32_t kStripWidth = 1024;
 constexpr int kContours = 10;
 constexpr double kContourHalfWidth = 0.004, kContourDarkness = 0.45;
 
-struct Lab {
-  double lightness, a, b;
-};
-
-Color ToLinear(const Lab& lab) {
+Color ToLinear(const Oklab& lab) {
   const double l = std::pow(lab.lightness + 0.3963377774 * lab.a + 0.2158037573 * lab.b, 3);
   const double m = std::pow(lab.lightness - 0.1055613458 * lab.a - 0.0638541728 * lab.b, 3);
   const double s = std::pow(lab.lightness - 0.0894841775 * lab.a - 1.2914855480 * lab.b, 3);
@@ -26,7 +22,7 @@ Color ToLinear(const Lab& lab) {
           std::clamp(color[2], 0.0, 1.0)};
 }
 
-Lab Polar(double lightness, double chroma, double hue_degrees) {
+Oklab Polar(double lightness, double chroma, double hue_degrees) {
   const double hue = hue_degrees * std::numbers::pi / 180;
   return {lightness, chroma * std::cos(hue), chroma * std::sin(hue)};
 }
@@ -37,13 +33,27 @@ uint8_t Encoded(double linear) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(code, 0.0, 1.0)));
 }
 
+double ValueOfTexel(uint32_t x) {
+  return (x + 0.5) / kStripWidth;
+}
+
 }  // namespace
+
+Oklab ToOklab(const Color& color) {
+  const auto [red, green, blue] = color;
+  const double l = std::cbrt(0.4122214708 * red + 0.5363325363 * green + 0.0514459929 * blue);
+  const double m = std::cbrt(0.2119034982 * red + 0.6806995451 * green + 0.1073969566 * blue);
+  const double s = std::cbrt(0.0883024619 * red + 0.2817188376 * green + 0.6299787005 * blue);
+  return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+          1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+          0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
+}
 
 Color ScaleColor(double value) {
   const double at = std::clamp(value, 0.0, 1.0);
-  // Hue from blue (265) to yellow (105); chroma fades where screens have little of it.
-  return ToLinear(
-      Polar(0.30 + 0.65 * at, 0.11 + 0.05 * std::sin(std::numbers::pi * at), 265 - 160 * at));
+  // As much chroma as sRGB has all along this path: least at cyan, a little before the middle.
+  const double chroma = 0.13 - 0.038 * std::sin(std::numbers::pi * at);
+  return ToLinear(Polar(0.30 + 0.65 * at, chroma, 285 - 180 * at));
 }
 
 std::vector<Color> Palette(int count) {
@@ -56,25 +66,35 @@ std::vector<Color> Palette(int count) {
   return colors;
 }
 
+std::vector<Color> ExampleColors(int count) {
+  std::vector<Color> colors = Palette(std::max(count - 1, 0));
+  if (count > 0) colors.insert(colors.begin(), ToLinear({0.75, 0, 0}));
+  return colors;
+}
+
 std::array<uint8_t, 4> ToBytes(const Color& color) {
   return {Encoded(color[0]), Encoded(color[1]), Encoded(color[2]), 255};
 }
 
 viewer::Image ScaleStrip() {
-  viewer::Image image;
-  image.width = kStripWidth;
-  image.height = 1;
+  std::vector<Color> colors;
+  for (uint32_t x = 0; x < kStripWidth; ++x)
+    colors.push_back(ScaleColor(ValueOfTexel(x)));
+  return Swatches(colors);
+}
+
+viewer::Image ScaleLegend() {
+  std::vector<Color> colors;
   for (uint32_t x = 0; x < kStripWidth; ++x) {
-    const double value = (x + 0.5) / kStripWidth;
+    const double value = ValueOfTexel(x);
     const double tenth = std::round(value * kContours) / kContours;
     const bool is_line = tenth > 0 && tenth < 1 && std::abs(value - tenth) < kContourHalfWidth;
     Color color = ScaleColor(value);
     for (double& channel : color)
       channel *= is_line ? kContourDarkness : 1;
-    const auto bytes = ToBytes(color);
-    image.rgba.insert(image.rgba.end(), bytes.begin(), bytes.end());
+    colors.push_back(color);
   }
-  return image;
+  return Swatches(colors);
 }
 
 viewer::Image Swatches(const std::vector<Color>& colors) {

@@ -1,5 +1,7 @@
 #include "inspect/picture_layout.h"
 
+#include "viewer/texture.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,7 @@ namespace {
 
 constexpr uint32_t kBandShare = 30;  // of the picture's height
 constexpr uint32_t kLeastBand = 6;
+constexpr uint64_t kMaxSheetSide = 4096;
 
 }  // namespace
 
@@ -23,20 +26,32 @@ void DrawLegend(const viewer::Image& legend, viewer::Image* picture) {
   }
 }
 
-viewer::Image ContactSheet(std::span<const viewer::Image> pictures) {
-  const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(pictures.size())));
-  const auto rows = static_cast<uint32_t>((pictures.size() + columns - 1) / columns);
-  const uint32_t width = pictures[0].width, height = pictures[0].height;
-  viewer::Image sheet{columns * width, rows * height, {}};
-  sheet.rgba.assign(size_t{sheet.width} * sheet.height * 4, 255);
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    const size_t left = i % columns * width, top = i / columns * height;
-    for (uint32_t y = 0; y < height; ++y) {
-      std::copy_n(pictures[i].pixel(0, y), size_t{width} * 4,
-                  sheet.rgba.data() + ((top + y) * sheet.width + left) * 4);
-    }
+ContactSheet::ContactSheet(size_t count, uint32_t width, uint32_t height)
+    : columns_(static_cast<uint32_t>(std::ceil(std::sqrt(count)))) {
+  const auto rows = static_cast<uint32_t>((count + columns_ - 1) / columns_);
+  const auto too_large = [&] {
+    return std::max(uint64_t{columns_} * width, uint64_t{rows} * height) > kMaxSheetSide;
+  };
+  for (; too_large() && std::max(width, height) > 1; ++num_halvings_) {
+    width = std::max(1u, width / 2);  // what HalfSize makes of it
+    height = std::max(1u, height / 2);
   }
-  return sheet;
+  width_ = width;
+  height_ = height;
+  sheet_.width = columns_ * width;
+  sheet_.height = rows * height;
+  sheet_.rgba.assign(size_t{sheet_.width} * sheet_.height * 4, 255);
+}
+
+void ContactSheet::Add(viewer::Image picture) {
+  for (int i = 0; i < num_halvings_; ++i)
+    picture = viewer::HalfSize(picture, true);
+  const size_t left = num_added_ % columns_ * width_, top = num_added_ / columns_ * height_;
+  for (uint32_t y = 0; y < height_; ++y) {
+    std::copy_n(picture.pixel(0, y), size_t{width_} * 4,
+                sheet_.rgba.data() + ((top + y) * sheet_.width + left) * 4);
+  }
+  ++num_added_;
 }
 
 }  // namespace limber::inspect

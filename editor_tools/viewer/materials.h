@@ -33,6 +33,9 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
+  // For colours that carry data; no glTF file asks for them.
+  float shading = 1;      // how much of the light shows: 0 none, as if unlit, 1 all
+  bool contours = false;  // a thin dark line at each tenth of the texture coordinate u
 };
 
 struct MaterialSet {

@@ -253,8 +253,10 @@ void Renderer::RecordDraws(VkCommandBuffer commands, bool blend) const {
     push.metallic = material.metallic;
     push.normal_scale = material.normal_texture.image >= 0 ? material.normal_scale : 0;
     push.alpha_cutoff = material.alpha_cutoff;
+    push.shading = material.shading;
     push.flags = (material.unlit ? LIMBER_VIEW_UNLIT : 0u) |
-                 (material.alpha_mode == AlphaMode::kMask ? LIMBER_VIEW_MASKED : 0u);
+                 (material.alpha_mode == AlphaMode::kMask ? LIMBER_VIEW_MASKED : 0u) |
+                 (material.contours ? LIMBER_VIEW_CONTOURS : 0u);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
                       pipelines_.character(blend, material.double_sided));
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), 1, 1,

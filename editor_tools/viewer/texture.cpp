@@ -43,27 +43,6 @@ uint8_t Mean(const std::array<const uint8_t*, 4>& pixels, size_t channel, bool c
   return code_is_srgb ? SrgbOfLinear(sum / 4) : static_cast<uint8_t>(std::lround(sum / 4));
 }
 
-// Half the size (rounded down, at least 1), each pixel the mean of the ones it covers.
-Image HalfSize(const Image& from, bool srgb) {
-  Image to;
-  to.width = std::max(1u, from.width / 2);
-  to.height = std::max(1u, from.height / 2);
-  to.rgba.resize(size_t{to.width} * to.height * 4);
-  uint8_t* out = to.rgba.data();
-  for (uint32_t y = 0; y < to.height; ++y) {
-    const uint32_t y1 = std::min(2 * y + 1, from.height - 1);
-    for (uint32_t x = 0; x < to.width; ++x, out += 4) {
-      const uint32_t x1 = std::min(2 * x + 1, from.width - 1);
-      const std::array<const uint8_t*, 4> covered = {from.pixel(2 * x, 2 * y),
-                                                     from.pixel(x1, 2 * y), from.pixel(2 * x, y1),
-                                                     from.pixel(x1, y1)};
-      for (size_t c = 0; c < 4; ++c)
-        out[c] = Mean(covered, c, srgb && c < 3);
-    }
-  }
-  return to;
-}
-
 std::vector<Image> MipChain(const Image& image, bool srgb) {
   std::vector<Image> levels = {image};
   while (levels.back().width > 1 || levels.back().height > 1) {
@@ -91,6 +70,26 @@ void RecordUpload(VkCommandBuffer commands, VkBuffer from, VkImage to,
 }
 
 }  // namespace
+
+Image HalfSize(const Image& from, bool srgb) {
+  Image to;
+  to.width = std::max(1u, from.width / 2);
+  to.height = std::max(1u, from.height / 2);
+  to.rgba.resize(size_t{to.width} * to.height * 4);
+  uint8_t* out = to.rgba.data();
+  for (uint32_t y = 0; y < to.height; ++y) {
+    const uint32_t y1 = std::min(2 * y + 1, from.height - 1);
+    for (uint32_t x = 0; x < to.width; ++x, out += 4) {
+      const uint32_t x1 = std::min(2 * x + 1, from.width - 1);
+      const std::array<const uint8_t*, 4> covered = {from.pixel(2 * x, 2 * y),
+                                                     from.pixel(x1, 2 * y), from.pixel(2 * x, y1),
+                                                     from.pixel(x1, y1)};
+      for (size_t c = 0; c < 4; ++c)
+        out[c] = Mean(covered, c, srgb && c < 3);
+    }
+  }
+  return to;
+}
 
 Result<Image> DecodeImage(std::span<const uint8_t> encoded) {
   if (encoded.size() > (size_t{1} << 28)) {

@@ -12,6 +12,7 @@
 // Bits of DrawPush::flags.
 #define LIMBER_VIEW_UNLIT 1u
 #define LIMBER_VIEW_MASKED 2u
+#define LIMBER_VIEW_CONTOURS 4u
 
 // Bits of a handle dot's style.
 #define LIMBER_VIEW_DOT_PINNED 1u
@@ -41,9 +42,10 @@ struct DrawPush {
   float normal_scale;  // 0: no normal map
   float alpha_cutoff;
   uint32_t flags;
+  float shading;  // 1: lit, 0: as bright as it is, whatever the light
 };
 
-static_assert(sizeof(DrawPush) == 36);
+static_assert(sizeof(DrawPush) == 40);
 
 struct DotVertex {
   float position[3];  // mesh space

@@ -17,6 +17,7 @@ layout(push_constant) uniform Draw {
   float normal_scale;
   float alpha_cutoff;
   uint flags;
+  float shading;
 } draw;
 
 layout(location = 0) in vec3 position;
@@ -88,10 +89,23 @@ vec3 Shade(vec3 albedo, vec3 n) {
   return light;
 }
 
+// How much of a dark line lies here: about two pixels wide at each tenth of `value` between 0 and 1,
+// and gone where they would be too close to be told apart.
+float Contour(float value) {
+  const float tenths = 10.0 * value, line = round(tenths);
+  const float per_pixel = max(fwidth(tenths), 1e-6);
+  if (line < 1.0 || line > 9.0) return 0.0;
+  const float pixels = abs(tenths - line) / per_pixel;
+  return (1.0 - smoothstep(0.4, 1.3, pixels)) * (1.0 - smoothstep(0.12, 0.35, per_pixel));
+}
+
 void main() {
   const vec4 base = draw.base_color * texture(base_color_map, texcoord);
   if ((draw.flags & LIMBER_VIEW_MASKED) != 0u && base.a < draw.alpha_cutoff) discard;
   vec3 light = base.rgb;
-  if ((draw.flags & LIMBER_VIEW_UNLIT) == 0u) light = ToneMap(Shade(base.rgb, ShadingNormal()));
+  if ((draw.flags & LIMBER_VIEW_CONTOURS) != 0u) light *= 1.0 - 0.55 * Contour(texcoord.x);
+  if ((draw.flags & LIMBER_VIEW_UNLIT) == 0u) {
+    light = mix(light, ToneMap(Shade(light, ShadingNormal())), draw.shading);
+  }
   color = vec4(ToTarget(light, gl_FragCoord.xy), base.a);
 }

@@ -1,13 +1,15 @@
 // `limber inspect` from outside: the pictures that were asked for, and one clear line for what is
 // not there.
 #include "run_limber.h"
+#include "scoped_variable.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdlib>
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,8 +22,6 @@ using Words = std::vector<std::string>;
 class LimberInspect : public ::testing::Test {
  protected:
   void SetUp() override {
-    // The driver leaves allocations behind that the leak checker would report as the command's.
-    setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
     WriteText(Path("bar.glb"), MakeBar(12).ToGlb());
     WriteText(Path("frames.json"),
               R"({"frames":[{"targets":{}},{"targets":{"handle_0":[0,6,0]}}]})");
@@ -29,8 +29,6 @@ class LimberInspect : public ::testing::Test {
         RunLimber({"bake", Path("bar.glb"), "-o", Path("baked.glb"), "--auto-handles", "3"});
     ASSERT_EQ(bake.exit_code, 0) << bake.err;
   }
-
-  void TearDown() override { unsetenv("ASAN_OPTIONS"); }
 
   std::string Path(const std::string& name) const { return (folder_.path() / name).string(); }
 
@@ -41,6 +39,8 @@ class LimberInspect : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  // The driver leaves allocations behind that the leak checker would report as the command's.
+  ScopedVariable no_leak_check_{"ASAN_OPTIONS", "detect_leaks=0"};
 };
 
 TEST_F(LimberInspect, WritesWhatIsAskedFor_WithoutAWordFromTheValidationLayers) {
@@ -81,6 +81,16 @@ TEST_F(LimberInspect, WhatIsNotThere_IsNamedInOneLine) {
   expect_refused({"--what", "teeth"}, 2, "teeth");
   expect_refused({"--frame", "1"}, 2, "--targets");
   expect_refused({"--size", "64"}, 2, "--size");
+}
+
+TEST_F(LimberInspect, WithoutADevice_IsOneLineAndExitCode3) {
+  const ScopedVariable icd("VK_ICD_FILENAMES", Path("no_such_driver.json"));
+  const ScopedVariable drivers("VK_DRIVER_FILES", Path("no_such_driver.json"));
+  const CommandResult result = Inspect({});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find("vulkan: no driver found"), std::string::npos) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(Path("look")));
 }
 
 TEST_F(LimberInspect, ABakeWithoutGroups_SaysToBakeAgain_AndStillShowsWeights) {

@@ -1,6 +1,7 @@
 // `limber render` from outside: pictures of the asked size, and not a word from the validation
 // layers.
 #include "run_limber.h"
+#include "scoped_variable.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
 
@@ -8,35 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdlib>
-#include <optional>
 #include <string>
 
 namespace limber::test {
 namespace {
 
 using Json = nlohmann::json;
-
-// Sets a variable of the environment for as long as it lives.
-class ScopedVariable {
- public:
-  ScopedVariable(const char* name, const std::string& value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value.c_str(), 1);
-  }
-
-  ScopedVariable(const ScopedVariable&) = delete;
-  ScopedVariable& operator=(const ScopedVariable&) = delete;
-
-  ~ScopedVariable() {
-    if (before_) setenv(name_, before_->c_str(), 1);
-    if (!before_) unsetenv(name_);
-  }
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
 
 class LimberRender : public ::testing::Test {
  protected:

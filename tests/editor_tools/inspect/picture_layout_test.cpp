@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace limber::inspect {
@@ -13,10 +14,10 @@ viewer::Image Plain(uint32_t width, uint32_t height, uint8_t value) {
 
 TEST(ContactSheet, EveryPictureHasItsPlace) {
   for (const size_t count : {1u, 2u, 4u, 5u, 12u, 13u}) {
-    std::vector<viewer::Image> pictures;
+    ContactSheet contacts(count, 6, 4);
     for (size_t i = 0; i < count; ++i)
-      pictures.push_back(Plain(6, 4, static_cast<uint8_t>(10 * i)));
-    const viewer::Image sheet = ContactSheet(pictures);
+      contacts.Add(Plain(6, 4, static_cast<uint8_t>(10 * i)));
+    const viewer::Image& sheet = contacts.image();
     const size_t columns = sheet.width / 6;
     ASSERT_EQ(sheet.width % 6, 0u);
     ASSERT_EQ(sheet.height % 4, 0u);
@@ -30,6 +31,20 @@ TEST(ContactSheet, EveryPictureHasItsPlace) {
       }
     }
   }
+}
+
+TEST(ContactSheet, OfManyPictures_IsOfASizeThatOpensAnywhere) {
+  constexpr size_t kCount = 1024;  // as many handles as there may be
+  ContactSheet contacts(kCount, 257, 192);
+  for (size_t i = 0; i < kCount; ++i)
+    contacts.Add(Plain(257, 192, static_cast<uint8_t>(i % 251)));
+  const viewer::Image& sheet = contacts.image();
+  EXPECT_LE(std::max(sheet.width, sheet.height), 4096u);
+  EXPECT_GE(std::max(sheet.width, sheet.height), 2048u) << "no smaller than it needs to be";
+  const uint32_t width = sheet.width / 32, height = sheet.height / 32;
+  for (uint32_t i = 0; i < kCount; ++i)
+    EXPECT_EQ(sheet.pixel((i % 32) * width + width / 2, (i / 32) * height + height / 2)[0],
+              i % 251);
 }
 
 TEST(DrawLegend, RunsAlongTheLowerEdgeAlone) {
