@@ -1,7 +1,7 @@
 #include "bake/handle_reach.h"
 
-#include "bake/parallel_for.h"
 #include "geometry/geodesic.h"
+#include "threads/parallel_for.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ std::vector<float> HandleReach(const geometry::SolveMesh& mesh,
     const geometry::PointMatrix& points = mesh.shapes[s];
     const geometry::SurfaceDistance surface(mesh, s);
     // Each round writes its own entries: those of the pairs whose first handle it is.
-    ParallelFor(static_cast<int>(num_handles) - 1, num_threads, [&](int round) {
+    threads::ParallelFor(static_cast<int>(num_handles) - 1, num_threads, [&](int round) {
       const auto a = static_cast<size_t>(round);
       const Eigen::VectorXd distance = surface.From(handle_vertices[a]);
       for (size_t b = a + 1; b < num_handles; ++b) {

@@ -1,6 +1,6 @@
 #include "bake/mode_basis.h"
 
-#include "bake/block_products.h"
+#include "linear/dense_products.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -37,7 +37,7 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   // First the directions that move vertices, scaled to equal motion: in them energies are
   // physical, and no digits are lost on directions that are nearly dependent.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> motion(
-      SymmetricProduct(skinning, skinning, num_threads));
+      linear::SymmetricProduct(skinning, skinning, num_threads));
   if (motion.info() != Eigen::Success) {
     return Error(StatusCode::kInternal, "reduce: the motion eigenproblem did not converge");
   }
@@ -49,10 +49,10 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   const Eigen::Index kept = n - first;
   const Eigen::MatrixXd moving = motion.eigenvectors().rightCols(kept) *
                                  motions.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd fields = Product(skinning, moving, num_threads);
+  const Eigen::MatrixXd fields = linear::Product(skinning, moving, num_threads);
   const Eigen::MatrixXd forces = laplacian * fields;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energy(
-      SymmetricProduct(fields, forces, num_threads));
+      linear::SymmetricProduct(fields, forces, num_threads));
   if (energy.info() != Eigen::Success) {
     return Error(StatusCode::kInternal, "reduce: the energy eigenproblem did not converge");
   }
@@ -66,7 +66,7 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   }
   const Eigen::MatrixXd whiten = energy.eigenvectors().rightCols(num_modes) *
                                  energies.tail(num_modes).cwiseSqrt().cwiseInverse().asDiagonal();
-  return ModeBasis{moving * whiten, Product(fields, whiten, num_threads)};
+  return ModeBasis{moving * whiten, linear::Product(fields, whiten, num_threads)};
 }
 
 Eigen::MatrixXd ReachableShape(const ModeBasis& basis, const Eigen::SparseMatrix<double>& laplacian,

@@ -1,7 +1,7 @@
 #include "bake/single_shape_models.h"
 
 #include "bake/mode_basis.h"
-#include "bake/parallel_for.h"
+#include "threads/parallel_for.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -98,7 +98,7 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) 
   // and the rest stay zero, which adds nothing to any sum.
   const Eigen::Index r1 = input.weights->cols() * (input.shapes->front().cols() + 1) - 1;
   std::vector<SingleShapeTables> shapes(input.shapes->size());
-  ParallelFor(static_cast<int>(shapes.size()), input.num_threads, [&](int s) {
+  threads::ParallelFor(static_cast<int>(shapes.size()), input.num_threads, [&](int s) {
     const auto shape = static_cast<size_t>(s);
     shapes[shape] = BuildShape(input, shape, r1);
   });

@@ -26,11 +26,13 @@ const std::map<std::string, Names> kRuntimeRooms = {
     {"capi", {"core", "rig", "load", "solve", "skin", "skin_vulkan", "pick", "limber"}},
 };
 const std::map<std::string, Names> kToolRooms = {
+    {"threads", {}},
+    {"linear", {"threads"}},
     {"geometry", {}},
     {"import", {"geometry"}},
     {"gltf_edit", {"import"}},
     {"animation", {"import", "gltf_edit"}},
-    {"bake", {"geometry", "import", "gltf_edit"}},
+    {"bake", {"threads", "linear", "geometry", "import", "gltf_edit"}},
     {"deform", {"geometry"}},
     {"bench", {"geometry", "import", "bake"}},
     {"viewer", {}},

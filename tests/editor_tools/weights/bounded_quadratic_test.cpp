@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -22,13 +23,7 @@ bool KeepGoing() {
 // One problem alone.
 void Solve(const MatrixXd& Q, const VectorXd& c, const std::function<bool()>& keep_going,
            VectorXd* x, BoundedQuadraticReport* report) {
-  MatrixXd solutions;
-  std::vector<BoundedQuadraticReport> reports;
-  BoundedQuadratic(Q.sparseView()).Solve(c, keep_going, &solutions, &reports);
-  ASSERT_EQ(solutions.cols(), 1);
-  ASSERT_EQ(reports.size(), 1u);
-  *x = solutions;
-  *report = reports[0];
+  *report = BoundedQuadratic(Q.sparseView()).Solve(c, keep_going, x);
 }
 
 // The optimum by projected coordinate descent, one exact coordinate after the other: slow, simple,
@@ -99,30 +94,55 @@ TEST(BoundedQuadratic, UnitsOfTheObjectiveDoNotMatter) {
   }
 }
 
-// Whatever a problem is solved beside, and wherever: the same bits, and its own iterations.
-TEST(BoundedQuadratic, ManyAtOnce_EachIsAsIfAlone) {
-  const Problem problem = RandomProblem(30, 1e3, 7);
-  const BoundedQuadratic quadratic(problem.Q.sparseView());
-  MatrixXd c(30, 8);
-  for (int column = 0; column < 8; ++column)
-    c.col(column) = problem.c * (column - 2) + VectorXd::LinSpaced(30, -column, 1);
-  c.col(3).setZero();
-  for (const int count : {1, 3, 4, 5, 8}) {
-    for (int first = 0; first + count <= 8; first += count) {
-      MatrixXd together;
-      std::vector<BoundedQuadraticReport> reports;
-      quadratic.Solve(c.middleCols(first, count), KeepGoing, &together, &reports);
-      for (int column = 0; column < count; ++column) {
-        VectorXd alone;
-        BoundedQuadraticReport report;
-        Solve(problem.Q, c.col(first + column), KeepGoing, &alone, &report);
-        EXPECT_TRUE(report.converged) << first + column;
-        EXPECT_EQ(together.col(column), alone) << first + column;
-        EXPECT_EQ(reports[size_t(column)].iterations, report.iterations);
-        EXPECT_EQ(reports[size_t(column)].stationarity, report.stationarity);
-      }
-    }
-  }
+// A problem in whose optimum the variables from `held` on are at zero, and pressed there.
+Problem ProblemWithAnEnd(int size, int held, uint32_t seed) {
+  Problem problem = RandomProblem(size, 100, seed);
+  for (int i = held; i < size; ++i)
+    problem.c(i) = 2 + problem.Q.row(i).head(held).cwiseAbs().sum();
+  return problem;
+}
+
+std::vector<int> UpTo(int count) {
+  std::vector<int> numbers(static_cast<size_t>(count));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
+TEST(BoundedQuadratic, HeldWhereTheOptimumIsZero_GivesTheSameOptimum) {
+  const Problem problem = ProblemWithAnEnd(40, 25, 6);
+  const Eigen::SparseMatrix<double> Q = problem.Q.sparseView();
+  VectorXd whole, part;
+  const BoundedQuadraticReport of_whole = BoundedQuadratic(Q).Solve(problem.c, KeepGoing, &whole);
+  const BoundedQuadraticReport of_part =
+      BoundedQuadratic(Q, UpTo(40), UpTo(25)).Solve(problem.c, KeepGoing, &part);
+  EXPECT_TRUE(of_whole.converged);
+  EXPECT_TRUE(of_part.converged);
+  EXPECT_LE(of_part.stationarity, 1e-8);
+  EXPECT_EQ(part.tail(15), VectorXd::Zero(15));
+  EXPECT_LT((part - whole).lpNorm<Eigen::Infinity>(), 1e-6);
+}
+
+// The fourth variable alone belongs above zero, and is held.
+TEST(BoundedQuadratic, HeldWhereTheOptimumIsNotZero_SaysByHowMuch) {
+  Problem problem = ProblemWithAnEnd(40, 25, 6);
+  problem.c(30) = -0.5 - problem.Q.row(30).head(25).cwiseAbs().sum();
+  VectorXd x;
+  const BoundedQuadraticReport report =
+      BoundedQuadratic(problem.Q.sparseView(), UpTo(40), UpTo(25)).Solve(problem.c, KeepGoing, &x);
+  EXPECT_FALSE(report.converged);
+  const double pull =
+      -(problem.Q.row(30) * x + problem.c(30)) / problem.c.lpNorm<Eigen::Infinity>();
+  EXPECT_NEAR(report.stationarity, pull, 1e-12);
+  EXPECT_LT(report.iterations, 60) << "it goes on although nothing will change";
+}
+
+TEST(BoundedQuadratic, AllHeld_StaysAtZero) {
+  VectorXd x;
+  const BoundedQuadraticReport report =
+      BoundedQuadratic(MatrixXd::Identity(3, 3).sparseView(), UpTo(3), {})
+          .Solve(VectorXd::Ones(3), KeepGoing, &x);
+  EXPECT_EQ(x, VectorXd::Zero(3));
+  EXPECT_TRUE(report.converged);
 }
 
 TEST(BoundedQuadratic, OptimumOnACorner_IsFound) {

@@ -1,11 +1,11 @@
-#include "bake/nested_dissection.h"
+#include "linear/nested_dissection.h"
 
 #include <Eigen/OrderingMethods>
 
 #include <algorithm>
 #include <utility>
 
-namespace limber::bake {
+namespace limber::linear {
 namespace {
 
 using Eigen::SparseMatrix;
@@ -175,4 +175,4 @@ std::vector<int> NestedDissection(const SparseMatrix<double>& Q) {
   return Dissection(Q).Run();
 }
 
-}  // namespace limber::bake
+}  // namespace limber::linear

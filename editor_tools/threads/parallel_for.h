@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace limber::bake {
+namespace limber::threads {
 
 // body(0) to body(count - 1), in any order, on num_threads threads (<= 0: one per core), of which
 // the caller's is one. The first exception of a body ends the loop and is thrown here.
@@ -38,4 +38,4 @@ void ParallelFor(int count, int num_threads, const Body& body) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace limber::bake
+}  // namespace limber::threads

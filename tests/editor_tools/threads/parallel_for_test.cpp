@@ -1,4 +1,4 @@
-#include "bake/parallel_for.h"
+#include "threads/parallel_for.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace limber::bake {
+namespace limber::threads {
 namespace {
 
 TEST(ParallelFor, EveryRoundOnce) {
@@ -35,4 +35,4 @@ TEST(ParallelFor, AnException_ComesOutAndEndsTheLoop) {
 }
 
 }  // namespace
-}  // namespace limber::bake
+}  // namespace limber::threads

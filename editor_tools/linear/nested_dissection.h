@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace limber::bake {
+namespace limber::linear {
 
 // [n]: where each column of a symmetric pattern, given whole, comes in the order. Halves are the
 // two sides of the smallest level near the middle of a breadth-first search from one end of a part
@@ -13,4 +13,4 @@ namespace limber::bake {
 // degree. Deterministic.
 std::vector<int> NestedDissection(const Eigen::SparseMatrix<double>& Q);
 
-}  // namespace limber::bake
+}  // namespace limber::linear

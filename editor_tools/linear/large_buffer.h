@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace limber::bake {
+namespace limber::linear {
 
 // Not initialised, and on pages of two megabytes where the system has them: a factor is walked
 // through in rows of a kilobyte or two, which with ordinary pages costs as much time in finding the
@@ -51,4 +51,4 @@ class LargeBuffer {
   size_t capacity_ = 0;
 };
 
-}  // namespace limber::bake
+}  // namespace limber::linear

@@ -1,0 +1,112 @@
+#include "bake/handle_solver.h"
+
+#include "linear/elimination.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+namespace limber::bake {
+namespace {
+
+constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
+// Aggregates around where the coarse answer is above zero: as far as the fine one may reach beyond
+// it. Where that was too few, more are tried.
+constexpr int kFirstRings = 2;
+
+}  // namespace
+
+HandleSolver::HandleSolver(const BiharmonicProblem& problem, const WeightSupports& supports)
+    : problem_(problem),
+      supports_(supports),
+      order_(linear::EliminateInGoodOrder(problem.Q).new_of_old),
+      solutions_(Eigen::MatrixXd::Zero(problem.c.rows(), problem.c.cols())),
+      reports_(static_cast<size_t>(problem.c.cols())),
+      iterations_(static_cast<size_t>(problem.c.cols())) {}
+
+Status HandleSolver::Run(int num_threads, const ProgressCallback& progress) {
+  active_ = std::min(num_threads, static_cast<int>(reports_.size()));
+  std::vector<std::thread> workers;
+  workers.reserve(static_cast<size_t>(active_));
+  for (int i = active_; i > 0; --i)
+    workers.emplace_back([this] { Work(); });
+  Wait(progress);
+  for (std::thread& worker : workers)
+    worker.join();
+  if (cancelled_) return Error(StatusCode::kInvalidArgument, "cancelled");
+  if (!failure_.empty())
+    return Error(StatusCode::kInternal, "skinning weights: %s", failure_.c_str());
+  return {};
+}
+
+void HandleSolver::Work() {
+  try {
+    for (int h = next_++; h < static_cast<int>(reports_.size()) && !cancelled_; h = next_++)
+      SolveHandle(h);
+  } catch (const std::exception& exception) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    failure_ = exception.what();
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  --active_;
+  changed_.notify_all();
+}
+
+void HandleSolver::SolveHandle(int h) {
+  const auto index = static_cast<size_t>(h);
+  const auto keep_going = [&] {
+    ++iterations_[index];
+    changed_.notify_all();
+    return !cancelled_;
+  };
+  BoundedQuadraticReport& report = reports_[index];
+  const size_t num_free = problem_.free_vertices.size();
+  size_t num_tried = 0;
+  int rings = kFirstRings;
+  for (int more = 1; !report.converged && num_tried < num_free && !cancelled_;
+       rings += more, more *= 2) {
+    std::vector<int> variables = VariablesOf(h, rings);
+    if (variables.size() == num_tried) break;
+    num_tried = variables.size();
+    Eigen::VectorXd x;
+    report = BoundedQuadratic(problem_.Q, order_, std::move(variables))
+                 .Solve(problem_.c.col(h), keep_going, &x);
+    solutions_.col(h) = x;
+  }
+  iterations_[index] = kExpectedIterations;
+}
+
+// Those free vertices that the handle may reach.
+std::vector<int> HandleSolver::VariablesOf(int h, int rings) const {
+  const std::vector<bool> is_near = supports_.Around(h, rings);
+  std::vector<int> variables;
+  for (size_t i = 0; i < problem_.free_vertices.size(); ++i) {
+    if (is_near[static_cast<size_t>(problem_.free_vertices[i])])
+      variables.push_back(static_cast<int>(i));
+  }
+  return variables;
+}
+
+double HandleSolver::Fraction() const {
+  double sum = 0;
+  for (const std::atomic<int>& count : iterations_)
+    sum += std::min(count.load(), kExpectedIterations);
+  return sum / (kExpectedIterations * static_cast<double>(iterations_.size()));
+}
+
+void HandleSolver::Wait(const ProgressCallback& progress) {
+  double told = 0;
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (active_ > 0) {
+    changed_.wait_for(lock, std::chrono::milliseconds(100));
+    const double fraction = Fraction();
+    if (!progress || fraction <= told || cancelled_) continue;
+    told = fraction;
+    lock.unlock();
+    if (!progress("weights", fraction)) cancelled_ = true;
+    lock.lock();
+  }
+}
+
+}  // namespace limber::bake
