@@ -4,6 +4,7 @@
 #include "bake/example_review.h"
 #include "bake/group_repair.h"
 #include "bake/handle_reach.h"
+#include "bake/heat_weights.h"
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
@@ -227,13 +228,18 @@ class BakeRun {
     return {};
   }
 
+  Result<Eigen::MatrixXd> ComputeWeights() {
+    if (raw_.painted_weights.rows() > 0)
+      return CompletePaintedWeights(mesh_, tables().num_handles(), raw_.painted_weights);
+    if (options_.weights == WeightKind::kHeat)
+      return HeatWeights(mesh_, handle_vertices_, options_.num_threads, clock_.Inner());
+    return BoundedBiharmonicWeights(mesh_, handle_vertices_, options_.num_threads, clock_.Inner(),
+                                    &baked_.weights);
+  }
+
   Status FindWeights() {
     LIMBER_RETURN_IF_ERROR(Begin("weights", 0.02, 0.6));
-    Result<Eigen::MatrixXd> weights =
-        raw_.painted_weights.rows() > 0
-            ? CompletePaintedWeights(mesh_, tables().num_handles(), raw_.painted_weights)
-            : BoundedBiharmonicWeights(mesh_, handle_vertices_, options_.num_threads,
-                                       clock_.Inner(), &baked_.weights);
+    Result<Eigen::MatrixXd> weights = ComputeWeights();
     if (!weights.ok()) return weights.status();
     weights_ = std::move(weights).value();
     WarnOfWeights();

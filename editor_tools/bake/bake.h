@@ -20,8 +20,14 @@ namespace limber::bake {
 
 inline constexpr int kGroupsPerHandle = 2;
 
+enum class WeightKind {
+  kBiharmonic,  // skinning_weights.h
+  kHeat,        // heat_weights.h: a preview
+};
+
 struct BakeOptions {
-  int num_groups = 0;     // G; 0: kGroupsPerHandle times the handles (eq. 7, section 5.2)
+  int num_groups = 0;  // G; 0: kGroupsPerHandle times the handles (eq. 7, section 5.2)
+  WeightKind weights = WeightKind::kBiharmonic;  // where none are painted
   int influences = 0;     // most handles that a vertex follows; 0: all (influences.h)
   bool rotations = true;  // false: for the formulation without rotations only (smaller file)
   int num_threads = 0;    // 0: one per core

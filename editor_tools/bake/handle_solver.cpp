@@ -17,7 +17,7 @@ constexpr int kFirstRings = 2;
 
 }  // namespace
 
-HandleSolver::HandleSolver(const BiharmonicProblem& problem, const WeightSupports& supports)
+HandleSolver::HandleSolver(const QuadraticProblem& problem, const WeightSupports& supports)
     : problem_(problem),
       supports_(supports),
       order_(linear::EliminateInGoodOrder(problem.Q).new_of_old),

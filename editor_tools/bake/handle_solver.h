@@ -1,9 +1,9 @@
 // The bounded biharmonic problems of all handles, solved side by side.
 #pragma once
 
-#include "bake/biharmonic_problem.h"
 #include "bake/bounded_quadratic.h"
 #include "bake/progress.h"
+#include "bake/quadratic_problem.h"
 #include "bake/weight_supports.h"
 #include "core/status.h"
 
@@ -22,7 +22,7 @@ namespace limber::bake {
 class HandleSolver {
  public:
   // Keeps references.
-  HandleSolver(const BiharmonicProblem& problem, const WeightSupports& supports);
+  HandleSolver(const QuadraticProblem& problem, const WeightSupports& supports);
 
   // Each handle's problem has the same bits for any number of threads. Errors: kInvalidArgument
   // ("cancelled"), kInternal (out of memory).
@@ -39,7 +39,7 @@ class HandleSolver {
   double Fraction() const;
   void Wait(const ProgressCallback& progress);
 
-  const BiharmonicProblem& problem_;
+  const QuadraticProblem& problem_;
   const WeightSupports& supports_;
   std::vector<int> order_;  // of elimination
   Eigen::MatrixXd solutions_;

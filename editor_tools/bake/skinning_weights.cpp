@@ -1,11 +1,10 @@
 #include "bake/skinning_weights.h"
 
-#include "bake/biharmonic_problem.h"
 #include "bake/handle_solver.h"
+#include "bake/quadratic_problem.h"
 #include "bake/weight_rows.h"
 #include "bake/weight_supports.h"
 #include "geometry/robust_laplacian.h"
-#include "geometry/union_find.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,43 +17,6 @@ namespace {
 using Eigen::MatrixXd;
 
 constexpr double kNegligibleWeight = 1e-7;  // becomes zero before rows are normalised
-
-Status CheckInput(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices) {
-  if (handle_vertices.empty()) {
-    return Error(StatusCode::kNoHandles, "skinning weights: there is no handle; add one");
-  }
-  std::vector<bool> taken(static_cast<size_t>(mesh.num_vertices()), false);
-  for (size_t h = 0; h < handle_vertices.size(); ++h) {
-    const int v = handle_vertices[h];
-    if (v < 0 || v >= mesh.num_vertices() || taken[v]) {
-      return Error(StatusCode::kInvalidArgument,
-                   "skinning weights: handle %zu: vertex %d is taken or does not exist; handles "
-                   "need distinct vertices below %d",
-                   h, v, mesh.num_vertices());
-    }
-    taken[v] = true;
-  }
-  if (!mesh.shapes[0].allFinite()) {
-    return Error(StatusCode::kDegenerate,
-                 "skinning weights: the first shape has a position that is not finite; repair it");
-  }
-  geometry::UnionFind sets(mesh.num_vertices());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sets.Unite(a, b);
-    sets.Unite(a, c);
-  }
-  for (const geometry::Bridge& bridge : mesh.bridges)
-    sets.Unite(bridge.a, bridge.b);
-  for (int v = 0; v < mesh.num_vertices(); ++v) {
-    if (sets.Find(v) != 0) {
-      return Error(StatusCode::kDegenerate,
-                   "skinning weights: vertex %d is not connected to vertex 0; tie loose parts "
-                   "with bridges first",
-                   v);
-    }
-  }
-  return {};
-}
 
 Status CheckOptimality(const std::vector<BoundedQuadraticReport>& reports) {
   for (size_t h = 0; h < reports.size(); ++h) {
@@ -84,7 +46,7 @@ Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
                                           std::span<const int> handle_vertices, int num_threads,
                                           const ProgressCallback& progress, WeightsReport* report) {
   *report = {};
-  LIMBER_RETURN_IF_ERROR(CheckInput(mesh, handle_vertices));
+  LIMBER_RETURN_IF_ERROR(CheckWeightInput(mesh, handle_vertices));
   const auto num_handles = static_cast<Eigen::Index>(handle_vertices.size());
   if (num_handles == 1) return MatrixXd(MatrixXd::Ones(mesh.num_vertices(), 1));
   if (num_threads <= 0) {
@@ -93,7 +55,7 @@ Result<MatrixXd> BoundedBiharmonicWeights(const geometry::SolveMesh& mesh,
   if (progress && !progress("weights", 0)) return Error(StatusCode::kInvalidArgument, "cancelled");
   const geometry::RobustLaplacian surface = geometry::MakeRobustLaplacian(mesh);
   const WeightSupports supports(surface, handle_vertices, num_threads);
-  const BiharmonicProblem problem =
+  const QuadraticProblem problem =
       SplitOffHandles(BiharmonicForm(surface.laplacian, surface.areas), handle_vertices);
   HandleSolver solver(problem, supports);
   LIMBER_RETURN_IF_ERROR(solver.Run(num_threads, progress));

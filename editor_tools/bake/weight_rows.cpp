@@ -1,5 +1,7 @@
 #include "bake/weight_rows.h"
 
+#include "geometry/union_find.h"
+
 #include <algorithm>
 #include <vector>
 
@@ -41,6 +43,43 @@ void FillEmptyRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
 }
 
 }  // namespace
+
+Status CheckWeightInput(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices) {
+  if (handle_vertices.empty()) {
+    return Error(StatusCode::kNoHandles, "skinning weights: there is no handle; add one");
+  }
+  std::vector<bool> taken(static_cast<size_t>(mesh.num_vertices()), false);
+  for (size_t h = 0; h < handle_vertices.size(); ++h) {
+    const int v = handle_vertices[h];
+    if (v < 0 || v >= mesh.num_vertices() || taken[v]) {
+      return Error(StatusCode::kInvalidArgument,
+                   "skinning weights: handle %zu: vertex %d is taken or does not exist; handles "
+                   "need distinct vertices below %d",
+                   h, v, mesh.num_vertices());
+    }
+    taken[v] = true;
+  }
+  if (!mesh.shapes[0].allFinite()) {
+    return Error(StatusCode::kDegenerate,
+                 "skinning weights: the first shape has a position that is not finite; repair it");
+  }
+  geometry::UnionFind sets(mesh.num_vertices());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sets.Unite(a, b);
+    sets.Unite(a, c);
+  }
+  for (const geometry::Bridge& bridge : mesh.bridges)
+    sets.Unite(bridge.a, bridge.b);
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    if (sets.Find(v) != 0) {
+      return Error(StatusCode::kDegenerate,
+                   "skinning weights: vertex %d is not connected to vertex 0; tie loose parts "
+                   "with bridges first",
+                   v);
+    }
+  }
+  return {};
+}
 
 void CompleteRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
   FillEmptyRows(mesh, weights);

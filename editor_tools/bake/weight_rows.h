@@ -1,4 +1,4 @@
-// Rows of skinning weights made whole: where they come from does not matter.
+// What all kinds of skinning weights have in common: what they need, and rows made whole.
 #pragma once
 
 #include "core/status.h"
@@ -6,7 +6,14 @@
 
 #include <Eigen/Core>
 
+#include <span>
+
 namespace limber::bake {
+
+// What weights are computed from: handle_vertices are one or more distinct solve vertices, the
+// first shape is finite, triangles and bridges connect all. Errors: kNoHandles, kInvalidArgument,
+// kDegenerate.
+Status CheckWeightInput(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices);
 
 // Rows that are all zero take the mean of their neighbours, ring by ring from the rows that have
 // weights; then every row is scaled to sum to one. weights: V x H, >= 0, one row or more not zero;

@@ -1,7 +1,7 @@
 #include "bake/weight_supports.h"
 
-#include "bake/biharmonic_problem.h"
 #include "bake/bounded_quadratic.h"
+#include "bake/quadratic_problem.h"
 #include "threads/parallel_for.h"
 
 #include <utility>
@@ -26,7 +26,7 @@ WeightSupports::WeightSupports(const geometry::RobustLaplacian& surface,
   std::vector<int> aggregates;  // of the handles
   for (const int vertex : handle_vertices)
     aggregates.push_back(coarse_.aggregate_of[static_cast<size_t>(vertex)]);
-  const BiharmonicProblem problem =
+  const QuadraticProblem problem =
       SplitOffHandles(BiharmonicForm(coarse_.laplacian, coarse_.areas), aggregates);
   const BoundedQuadratic solver(problem.Q);
   threads::ParallelFor(num_handles, num_threads, [&](int h) {

@@ -25,7 +25,12 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 // Where the skinning weights come from.
-constexpr char kComputedWeights[] = "computed", kSkinWeights[] = "skin", kColorWeights[] = "colors";
+constexpr char kComputedWeights[] = "computed", kHeatWeights[] = "heat", kSkinWeights[] = "skin",
+               kColorWeights[] = "colors";
+
+bool ArePainted(const std::string& weights) {
+  return weights == kSkinWeights || weights == kColorWeights;
+}
 
 constexpr char kFooter[] =
     R"(Handles are the points that a game drags. They come from, in this order:
@@ -102,6 +107,7 @@ Json WeightsJson(const BakeCommandOptions& options, const bake::BakedCharacter& 
 }
 
 std::string WeightsText(const BakeCommandOptions& options, const bake::BakedCharacter& baked) {
+  if (options.weights == kHeatWeights) return "a preview: spread like heat, not the smoothest";
   if (options.weights == kSkinWeights) return "as painted, from the skin";
   if (options.weights == kColorWeights) return "as painted, from the vertex colours";
   if (baked.weights.handles.empty()) return "one everywhere, of the only handle";
@@ -209,7 +215,7 @@ Result<Source> ReadSource(const BakeCommandOptions& options) {
     if (!chosen.ok()) return chosen.status();
     choice = std::move(chosen).value();
   }
-  if (options.weights != kComputedWeights) {
+  if (ArePainted(options.weights)) {
     Result<bake::PaintedWeights> painted = options.weights == kSkinWeights
                                                ? bake::WeightsOfSkin(*file, *raw)
                                                : bake::WeightsOfColors(*file, *raw, choice.handles);
@@ -241,6 +247,7 @@ ExitCode RunBake(BakeCommandOptions options, const Console& console) {
     return fail(s);
   }
 
+  if (options.weights == kHeatWeights) options.bake.weights = bake::WeightKind::kHeat;
   options.bake.rotations = !options.no_rotations;
   const auto report = [&](const char* stage, double fraction) {
     return progress.Update(stage, fraction);
@@ -291,10 +298,11 @@ Command AddBakeCommand(CLI::App* parent) {
       ->option_text("N");
   app->add_option(
          "--weights", options->weights,
-         "Skinning weights: computed, skin (the joints of the mesh's skin are the handles) or "
-         "colors (handle i has channel i % 4 of COLOR_(i / 4))")
-      ->check(CLI::IsMember({kComputedWeights, kSkinWeights, kColorWeights}))
-      ->option_text("computed|skin|colors");
+         "Skinning weights: computed (the smoothest), heat (a preview, at once), skin (the joints "
+         "of "
+         "the mesh's skin are the handles) or colors (handle i has channel i % 4 of COLOR_(i / 4))")
+      ->check(CLI::IsMember({kComputedWeights, kHeatWeights, kSkinWeights, kColorWeights}))
+      ->option_text("computed|heat|skin|colors");
   app->add_option("--influences", options->bake.influences,
                   "Most handles that a vertex follows, the largest weights kept (default: all)")
       ->check(CLI::Range(1, 1024))

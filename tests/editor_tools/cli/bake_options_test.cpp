@@ -45,6 +45,17 @@ TEST_F(BakeOptionsTest, Weights_TheOptimalityOfEachHandleIsReported) {
   }
 }
 
+TEST_F(BakeOptionsTest, HeatWeights_AreAPreviewAndCalledSo) {
+  WriteBar(40);
+  const CommandResult result = Bake({"--weights", "heat"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("weights  a preview"), std::string::npos) << result.out;
+  const CommandResult computed = Bake({"--json"}), heat = Bake({"--weights", "heat", "--json"});
+  ASSERT_EQ(heat.exit_code, 0) << heat.err;
+  EXPECT_EQ(Json::parse(heat.out)["weights"]["source"], "heat");
+  EXPECT_EQ(Json::parse(computed.out)["weights"]["source"], "computed");
+}
+
 TEST_F(BakeOptionsTest, Influences_AreCutAndTheChangeIsTold) {
   WriteBar(40);
   const CommandResult all = Bake({"--json"});

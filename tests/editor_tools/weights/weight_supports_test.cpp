@@ -1,10 +1,10 @@
 // What lies beyond a handle's support may be left out of its problem, and the weights are the same.
 #include "bake/weight_supports.h"
 
-#include "bake/biharmonic_problem.h"
 #include "bake/bounded_quadratic.h"
 #include "bake/coarse_surface.h"
 #include "bake/handle_solver.h"
+#include "bake/quadratic_problem.h"
 #include "editor_tools/geometry/solve_meshes.h"
 
 #include <gtest/gtest.h>
@@ -30,12 +30,12 @@ struct Strip {
       handles.push_back(15 * 121 + x);
   }
 
-  BiharmonicProblem Problem() const {
+  QuadraticProblem Problem() const {
     return SplitOffHandles(BiharmonicForm(surface.laplacian, surface.areas), handles);
   }
 };
 
-VectorXd OverTheWhole(const BiharmonicProblem& problem, int h) {
+VectorXd OverTheWhole(const QuadraticProblem& problem, int h) {
   VectorXd x;
   const BoundedQuadraticReport report = BoundedQuadratic(problem.Q).Solve(
       problem.c.col(h), [] { return true; }, &x);
@@ -45,7 +45,7 @@ VectorXd OverTheWhole(const BiharmonicProblem& problem, int h) {
 
 TEST(WeightSupports, HoldEveryWeightAboveZero_AndLittleElse) {
   const Strip strip;
-  const BiharmonicProblem problem = strip.Problem();
+  const QuadraticProblem problem = strip.Problem();
   const WeightSupports supports(strip.surface, strip.handles, 1);
   for (const int h : {0, 2, 5}) {
     const VectorXd x = OverTheWhole(problem, h);
@@ -95,7 +95,7 @@ TEST(WeightSupports, CrowdedHandles_HaveTheirOwn) {
 
 TEST(HandleSolver, GivesTheOptimumOfTheWhole) {
   const Strip strip;
-  const BiharmonicProblem problem = strip.Problem();
+  const QuadraticProblem problem = strip.Problem();
   const WeightSupports supports(strip.surface, strip.handles, 1);
   HandleSolver solver(problem, supports);
   ASSERT_TRUE(solver.Run(2, {}).ok());

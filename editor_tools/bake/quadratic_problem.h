@@ -1,4 +1,4 @@
-// The quadratic form of bounded biharmonic weights, with what the handles fix taken out.
+// Quadratic forms on a surface, with what the handles fix taken out.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,14 +14,14 @@ Eigen::SparseMatrix<double> BiharmonicForm(const Eigen::SparseMatrix<double>& la
                                            const Eigen::VectorXd& areas);
 
 // min 1/2 x^T Q x + c_h^T x, for each handle h.
-struct BiharmonicProblem {
+struct QuadraticProblem {
   std::vector<int> free_vertices;  // those that no handle has; rows of what follows
   Eigen::SparseMatrix<double> Q;   // free x free
   Eigen::MatrixXd c;               // free x H: the pull of each handle's one
 };
 
 // The form Q's problem; handles that share a vertex pull together at it.
-BiharmonicProblem SplitOffHandles(const Eigen::SparseMatrix<double>& Q,
-                                  std::span<const int> handle_vertices);
+QuadraticProblem SplitOffHandles(const Eigen::SparseMatrix<double>& Q,
+                                 std::span<const int> handle_vertices);
 
 }  // namespace limber::bake

@@ -1,4 +1,4 @@
-#include "bake/biharmonic_problem.h"
+#include "bake/quadratic_problem.h"
 
 namespace limber::bake {
 
@@ -14,13 +14,13 @@ SparseMatrix<double> BiharmonicForm(const SparseMatrix<double>& laplacian, const
   return 0.5 * (Q + transposed);
 }
 
-BiharmonicProblem SplitOffHandles(const SparseMatrix<double>& Q,
-                                  std::span<const int> handle_vertices) {
+QuadraticProblem SplitOffHandles(const SparseMatrix<double>& Q,
+                                 std::span<const int> handle_vertices) {
   constexpr int kHandle = -1;
   std::vector<int> row_of(static_cast<size_t>(Q.cols()), 0);
   for (const int vertex : handle_vertices)
     row_of[static_cast<size_t>(vertex)] = kHandle;
-  BiharmonicProblem problem;
+  QuadraticProblem problem;
   for (size_t vertex = 0; vertex < row_of.size(); ++vertex) {
     if (row_of[vertex] == kHandle) continue;
     row_of[vertex] = static_cast<int>(problem.free_vertices.size());
