@@ -3,8 +3,11 @@
 #include "linear/elimination.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <exception>
+#include <iterator>
+#include <numeric>
 #include <thread>
 
 namespace limber::bake {
@@ -12,8 +15,9 @@ namespace {
 
 constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
 // Aggregates around where the coarse answer is above zero: as far as the fine one may reach beyond
-// it. Where that was too few, more are tried.
-constexpr int kFirstRings = 2;
+// it. Where that was too few, more are tried, and then all there is.
+constexpr std::array kRings = {2, 4};
+constexpr double kNearlyAll = 0.9;  // of the free vertices: not worth the risk of trying again
 
 }  // namespace
 
@@ -61,31 +65,27 @@ void HandleSolver::SolveHandle(int h) {
     return !cancelled_;
   };
   BoundedQuadraticReport& report = reports_[index];
-  const size_t num_free = problem_.free_vertices.size();
-  size_t num_tried = 0;
-  int rings = kFirstRings;
-  for (int more = 1; !report.converged && num_tried < num_free && !cancelled_;
-       rings += more, more *= 2) {
-    std::vector<int> variables = VariablesOf(h, rings);
-    if (variables.size() == num_tried) break;
-    num_tried = variables.size();
+  for (size_t attempt = 0; attempt <= kRings.size() && !report.converged && !cancelled_;
+       ++attempt) {
     Eigen::VectorXd x;
-    report = BoundedQuadratic(problem_.Q, order_, std::move(variables))
+    report = BoundedQuadratic(problem_.Q, order_, VariablesOf(h, attempt))
                  .Solve(problem_.c.col(h), keep_going, &x);
     solutions_.col(h) = x;
   }
   iterations_[index] = kExpectedIterations;
 }
 
-// Those free vertices that the handle may reach.
-std::vector<int> HandleSolver::VariablesOf(int h, int rings) const {
-  const std::vector<bool> is_near = supports_.Around(h, rings);
-  std::vector<int> variables;
-  for (size_t i = 0; i < problem_.free_vertices.size(); ++i) {
-    if (is_near[static_cast<size_t>(problem_.free_vertices[i])])
-      variables.push_back(static_cast<int>(i));
-  }
-  return variables;
+// Those free vertices that the handle may reach, the more the later the attempt.
+std::vector<int> HandleSolver::VariablesOf(int h, size_t attempt) const {
+  std::vector<int> all(problem_.free_vertices.size()), variables;
+  std::iota(all.begin(), all.end(), 0);
+  if (attempt >= kRings.size()) return all;
+  const std::vector<bool> is_near = supports_.Around(h, kRings[attempt]);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(variables), [&](int i) {
+    return is_near[static_cast<size_t>(problem_.free_vertices[static_cast<size_t>(i)])];
+  });
+  const double enough = kNearlyAll * static_cast<double>(all.size());
+  return static_cast<double>(variables.size()) > enough ? all : variables;
 }
 
 double HandleSolver::Fraction() const {

@@ -68,16 +68,13 @@ namespace {
 // A path counts as shorter only from here on, so that rounding cannot keep the search busy.
 constexpr double kLeastGain = 1e-9;
 
-// Distance of a triangle's third corner, as the crow flies over side ab from a source whose
-// distances from a and b are known; infinite where that line passes beside ab.
-double ThroughSide(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                   double from_a, double from_b) {
+// Distance of a triangle's third corner, as the crow flies over a side of which the distances of
+// both ends a and b from a source are known; infinite where that line passes beside it. In the
+// triangle's plane a is the origin, b at (side, 0), the corner at (corner_x, corner_y) above and
+// the source below.
+double ThroughSide(double side, double corner_x, double corner_y, double from_a, double from_b) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  const double side = (b - a).norm();
-  if (!(side > 0) || !std::isfinite(from_a) || !std::isfinite(from_b)) return kNone;
-  // In the triangle's plane a is the origin, b on the x axis, c above and the source below it.
-  const double corner_x = (c - a).dot(b - a) / side;
-  const double corner_y = (b - a).cross(c - a).norm() / side;
+  if (!(side > 0) || !(from_b < kNone)) return kNone;
   const double source_x = (from_a * from_a - from_b * from_b + side * side) / (2 * side);
   const double depth_squared = from_a * from_a - source_x * source_x;
   if (!(depth_squared >= 0)) return kNone;
@@ -85,7 +82,7 @@ double ThroughSide(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   const double height = depth + corner_y;
   const double crossing = height > 0 ? source_x + (corner_x - source_x) * depth / height : source_x;
   if (crossing < 0 || crossing > side) return kNone;
-  return std::hypot(corner_x - source_x, height);
+  return std::sqrt((corner_x - source_x) * (corner_x - source_x) + height * height);
 }
 
 }  // namespace
@@ -96,6 +93,9 @@ SurfaceDistance::SurfaceDistance(const SolveMesh& mesh, int shape)
       first_(static_cast<size_t>(mesh.num_vertices()) + 1, 0),
       fan_(3 * mesh.triangles.size()),
       bridged_(static_cast<size_t>(mesh.num_vertices())) {
+  flat_.reserve(mesh.triangles.size());
+  for (const auto& triangle : mesh.triangles)
+    flat_.push_back(Flatten(triangle));
   for (const auto& triangle : mesh.triangles) {
     for (const int v : triangle)
       ++first_[v + 1];
@@ -111,6 +111,21 @@ SurfaceDistance::SurfaceDistance(const SolveMesh& mesh, int shape)
     bridged_[bridge.a].push_back(bridge.b);
     bridged_[bridge.b].push_back(bridge.a);
   }
+}
+
+SurfaceDistance::FlatTriangle SurfaceDistance::Flatten(const std::array<int, 3>& triangle) const {
+  FlatTriangle flat;
+  for (size_t corner = 0; corner < 3; ++corner) {
+    const Eigen::RowVector3d a = points_.row(triangle[(corner + 1) % 3]);
+    const Eigen::RowVector3d along = points_.row(triangle[(corner + 2) % 3]) - a;
+    const Eigen::RowVector3d up = points_.row(triangle[corner]) - a;
+    Side& side = flat[corner];
+    side.length = along.norm();
+    if (!(side.length > 0)) continue;
+    side.corner_x = up.dot(along) / side.length;
+    side.corner_y = along.cross(up).norm() / side.length;
+  }
+  return flat;
 }
 
 Eigen::VectorXd SurfaceDistance::From(int source) const {
@@ -129,18 +144,23 @@ Eigen::VectorXd SurfaceDistance::From(int source) const {
     const int v = queue.top().second;
     queue.pop();
     if (reached > distance(v)) continue;
-    const auto along = [&](int to) { return reached + (points_.row(v) - points_.row(to)).norm(); };
     for (const int other : bridged_[v])
-      reach(other, along(other));
+      reach(other, reached + (points_.row(v) - points_.row(other)).norm());
     for (int i = first_[v]; i < first_[v + 1]; ++i) {
       const std::array<int, 3>& triangle = mesh_.triangles[fan_[i]];
-      const auto at = std::find(triangle.begin(), triangle.end(), v) - triangle.begin();
-      const int b = triangle[(at + 1) % 3], c = triangle[(at + 2) % 3];
-      reach(b, along(b));
-      reach(c, along(c));
-      const Eigen::Vector3d pv = points_.row(v), pb = points_.row(b), pc = points_.row(c);
-      reach(c, ThroughSide(pv, pb, pc, reached, distance(b)));
-      reach(b, ThroughSide(pv, pc, pb, reached, distance(c)));
+      const FlatTriangle& flat = flat_[fan_[i]];
+      const int at = triangle[0] == v ? 0 : triangle[1] == v ? 1 : 2;
+      const int b = at == 2 ? 0 : at + 1, c = at == 0 ? 2 : at - 1;
+      const double along_b = reached + flat[c].length, along_c = reached + flat[b].length;
+      const double from_b = std::min(distance(triangle[b]), along_b);
+      const double from_c = std::min(distance(triangle[c]), along_c);
+      // The side opposite c begins at v, the one opposite b ends there.
+      const double over_b =
+          ThroughSide(flat[c].length, flat[c].corner_x, flat[c].corner_y, reached, from_b);
+      const double over_c = ThroughSide(flat[b].length, flat[b].length - flat[b].corner_x,
+                                        flat[b].corner_y, reached, from_c);
+      reach(triangle[b], std::min(along_b, over_c));
+      reach(triangle[c], std::min(along_c, over_b));
     }
   }
   return distance;

@@ -50,8 +50,19 @@ class SurfaceDistance {
   Eigen::VectorXd From(int source) const;
 
  private:
+  // A side with the corner opposite to it, in the triangle's plane: the side's first end is the
+  // origin, its other end on the x axis.
+  struct Side {
+    double length = 0, corner_x = 0, corner_y = 0;
+  };
+
+  using FlatTriangle = std::array<Side, 3>;  // side i from corner i + 1 to i + 2
+
+  FlatTriangle Flatten(const std::array<int, 3>& triangle) const;
+
   const SolveMesh& mesh_;
   const PointMatrix& points_;
+  std::vector<FlatTriangle> flat_;         // [T]
   std::vector<int> first_;                 // V + 1 offsets into the next
   std::vector<int> fan_;                   // triangles at each vertex, ascending
   std::vector<std::vector<int>> bridged_;  // other ends of the bridges at each vertex
