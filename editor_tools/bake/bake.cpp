@@ -267,7 +267,7 @@ class BakeRun {
   Status FindGroups() {
     LIMBER_RETURN_IF_ERROR(Begin("edge groups", 0.65, 0.7));
     std::vector<int>& groups = baked_.vertex_groups;
-    groups = ClusterVertices(weights_, tables().num_groups, &num_groups_);
+    groups = ClusterVertices(weights_, tables().num_groups, &num_groups_, options_.num_threads);
     ConnectGroups(mesh_, weights_, num_groups_, &groups);
     edges_ = BuildGroupEdges(mesh_, groups);
     if (HasStiffness(raw_, resolved_))

@@ -1,8 +1,10 @@
 #include "bake/edge_groups.h"
 
 #include "geometry/cotangent.h"
+#include "threads/parallel_for.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -32,28 +34,39 @@ Eigen::MatrixXd SeedCentres(const Eigen::MatrixXd& rows, int wanted) {
   return centres.topRows(count);
 }
 
-// Nearest centre of each point, the first of equals; points and centres are columns. Returns
-// whether any point changed its group.
-bool Assign(const Eigen::MatrixXd& points, const Eigen::MatrixXd& centres,
-            std::vector<int>* group) {
-  bool changed = false;
-  for (Eigen::Index v = 0; v < points.cols(); ++v) {
-    const double* point = points.col(v).data();
-    double best = std::numeric_limits<double>::infinity();
-    int nearest = 0;
-    for (int c = 0; c < centres.cols(); ++c) {
-      const double* centre = centres.col(c).data();
-      double distance = 0;
-      for (Eigen::Index i = 0; i < points.rows() && distance < best; ++i)
-        distance += (point[i] - centre[i]) * (point[i] - centre[i]);
-      if (distance < best) {
-        best = distance;
-        nearest = c;
-      }
+// Nearest centre of a point, the first of equals; centres are columns.
+int FindNearest(const double* point, const Eigen::MatrixXd& centres) {
+  double best = std::numeric_limits<double>::infinity();
+  int nearest = 0;
+  for (int c = 0; c < centres.cols(); ++c) {
+    const double* centre = centres.col(c).data();
+    double distance = 0;
+    for (Eigen::Index i = 0; i < centres.rows() && distance < best; ++i)
+      distance += (point[i] - centre[i]) * (point[i] - centre[i]);
+    if (distance < best) {
+      best = distance;
+      nearest = c;
     }
-    changed = changed || (*group)[static_cast<size_t>(v)] != nearest;
-    (*group)[static_cast<size_t>(v)] = nearest;
   }
+  return nearest;
+}
+
+// Puts each point, a column, to its nearest centre. Returns whether any changed its group.
+bool Assign(const Eigen::MatrixXd& points, const Eigen::MatrixXd& centres, int num_threads,
+            std::vector<int>* group) {
+  constexpr int kPointsAtOnce = 4096;
+  const auto num_points = static_cast<int>(points.cols());
+  std::atomic<bool> changed = false;
+  threads::ParallelFor((num_points + kPointsAtOnce - 1) / kPointsAtOnce, num_threads,
+                       [&](int chunk) {
+                         const int first = chunk * kPointsAtOnce;
+                         for (int v = first; v < std::min(first + kPointsAtOnce, num_points); ++v) {
+                           int& of_point = (*group)[static_cast<size_t>(v)];
+                           const int nearest = FindNearest(points.col(v).data(), centres);
+                           if (nearest != of_point) changed = true;
+                           of_point = nearest;
+                         }
+                       });
   return changed;
 }
 
@@ -108,7 +121,8 @@ void MergeAndClamp(std::vector<GroupEdge>* edges) {
 
 }  // namespace
 
-std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups) {
+std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups,
+                                 int num_threads) {
   std::vector<int> group(static_cast<size_t>(weights.rows()), 0);
   *num_groups = weights.rows() > 0 ? 1 : 0;
   if (weights.rows() == 0 || wanted <= 1) return group;
@@ -116,7 +130,7 @@ std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int
   const Eigen::MatrixXd points = weights.transpose();  // each in one piece
   Eigen::MatrixXd centres = SeedCentres(weights, wanted).transpose();
   for (int iteration = 0; iteration < kMaxLloydIterations; ++iteration) {
-    const bool changed = Assign(points, centres, &group);
+    const bool changed = Assign(points, centres, num_threads, &group);
     if (!changed && iteration > 0) break;
     MoveCentres(points, group, &centres);
   }

@@ -11,8 +11,10 @@ namespace limber::bake {
 
 // Group of each vertex, in [0, *num_groups); seeded deterministically (farthest points in weight
 // space, then Lloyd). Empty groups are removed, so *num_groups may come back smaller than wanted. A
-// group may lie in several pieces: see group_repair.h.
-std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups);
+// group may lie in several pieces: see group_repair.h. num_threads <= 0: one per core; the result
+// is the same for any number.
+std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups,
+                                 int num_threads = 0);
 
 // Spokes and rims: each triangle gives its three edges, half-cotangent weighted, in equal thirds to
 // the groups of its corners; bridges go in halves to the groups of their ends. Entries of one

@@ -3,8 +3,8 @@
 #include "linear/elimination.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <iterator>
 #include <numeric>
@@ -14,9 +14,11 @@ namespace limber::bake {
 namespace {
 
 constexpr int kExpectedIterations = 20;  // of one handle, for the progress display only
-// Aggregates around where the coarse answer is above zero: as far as the fine one may reach beyond
-// it. Where that was too few, more are tried, and then all there is.
-constexpr std::array kRings = {2, 4};
+// The fine answer may reach beyond where the coarse one is above zero, by this share of the way
+// across the surface, or a few aggregates where these are large. Where that was too little, twice
+// as far is tried, and then all there is.
+constexpr double kFurther = 0.08;
+constexpr int kFewestRings = 2, kAttempts = 3;
 constexpr double kNearlyAll = 0.9;  // of the free vertices: not worth the risk of trying again
 
 }  // namespace
@@ -65,8 +67,7 @@ void HandleSolver::SolveHandle(int h) {
     return !cancelled_;
   };
   BoundedQuadraticReport& report = reports_[index];
-  for (size_t attempt = 0; attempt <= kRings.size() && !report.converged && !cancelled_;
-       ++attempt) {
+  for (int attempt = 0; attempt < kAttempts && !report.converged && !cancelled_; ++attempt) {
     Eigen::VectorXd x;
     report = BoundedQuadratic(problem_.Q, order_, VariablesOf(h, attempt))
                  .Solve(problem_.c.col(h), keep_going, &x);
@@ -76,11 +77,13 @@ void HandleSolver::SolveHandle(int h) {
 }
 
 // Those free vertices that the handle may reach, the more the later the attempt.
-std::vector<int> HandleSolver::VariablesOf(int h, size_t attempt) const {
+std::vector<int> HandleSolver::VariablesOf(int h, int attempt) const {
   std::vector<int> all(problem_.free_vertices.size()), variables;
   std::iota(all.begin(), all.end(), 0);
-  if (attempt >= kRings.size()) return all;
-  const std::vector<bool> is_near = supports_.Around(h, kRings[attempt]);
+  if (attempt + 1 == kAttempts) return all;
+  const double across = std::sqrt(supports_.num_aggregates());
+  const int rings = std::max(kFewestRings, static_cast<int>(std::lround(kFurther * across)));
+  const std::vector<bool> is_near = supports_.Around(h, rings << attempt);
   std::copy_if(all.begin(), all.end(), std::back_inserter(variables), [&](int i) {
     return is_near[static_cast<size_t>(problem_.free_vertices[static_cast<size_t>(i)])];
   });

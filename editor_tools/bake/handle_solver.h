@@ -35,7 +35,7 @@ class HandleSolver {
  private:
   void Work();
   void SolveHandle(int h);
-  std::vector<int> VariablesOf(int h, size_t attempt) const;
+  std::vector<int> VariablesOf(int h, int attempt) const;
   double Fraction() const;
   void Wait(const ProgressCallback& progress);
 

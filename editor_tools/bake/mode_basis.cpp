@@ -50,7 +50,7 @@ Result<ModeBasis> ComputeModeBasis(const Eigen::MatrixXd& skinning,
   const Eigen::MatrixXd moving = motion.eigenvectors().rightCols(kept) *
                                  motions.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd fields = linear::Product(skinning, moving, num_threads);
-  const Eigen::MatrixXd forces = laplacian * fields;
+  const Eigen::MatrixXd forces = linear::Product(laplacian, fields, num_threads);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energy(
       linear::SymmetricProduct(fields, forces, num_threads));
   if (energy.info() != Eigen::Success) {

@@ -23,6 +23,8 @@ class WeightSupports {
   // a surface that is small already, all.
   std::vector<bool> Around(int handle, int rings) const;
 
+  int num_aggregates() const { return static_cast<int>(coarse_.areas.size()); }
+
  private:
   CoarseSurface coarse_;
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> is_reached_;  // aggregates x H

@@ -14,8 +14,9 @@ using Eigen::MatrixXd;
 // A tile's rows of so many columns stay in the first-level cache while all columns of the result
 // meet them.
 constexpr Index kDepth = 128;
-constexpr Index kRowsAtOnce = 128;  // of a product's result, by one thread
-constexpr Index kParts = 8;         // of the rows that a symmetric product sums over
+constexpr Index kRowsAtOnce = 128;    // of a product's result, by one thread
+constexpr Index kColumnsAtOnce = 16;  // of a sparse matrix's product
+constexpr Index kParts = 8;           // of the rows that a symmetric product sums over
 
 Index NumBlocks(Index rows) {
   return (rows + kBlockRows - 1) / kBlockRows;
@@ -69,8 +70,10 @@ MatrixXd Product(const MatrixXd& a, const MatrixXd& b, int num_threads,
   const Index num_chunks = (a.rows() + kRowsAtOnce - 1) / kRowsAtOnce;
   threads::ParallelFor(static_cast<int>(num_chunks), num_threads, [&](int chunk) {
     const Index top = chunk * kRowsAtOnce, rows = std::min(kRowsAtOnce, a.rows() - top);
-    MatrixXd sums = MatrixXd::Zero(NumBlocks(rows) * kBlockRows, columns);
-    std::vector<double> left;
+    // Kept from round to round: fresh memory costs as much as the products.
+    static thread_local MatrixXd sums;
+    static thread_local std::vector<double> left;
+    sums.setZero(NumBlocks(rows) * kBlockRows, columns);
     for (size_t part = 0; part < right.size(); ++part) {
       const Index first = static_cast<Index>(part) * kDepth;
       const Index depth = std::min(kDepth, b.rows() - first);
@@ -80,6 +83,16 @@ MatrixXd Product(const MatrixXd& a, const MatrixXd& b, int num_threads,
                             sums.data(), sums.rows(), /*only_lower=*/false});
     }
     product.middleRows(top, rows) = sums.topRows(rows);
+  });
+  return product;
+}
+
+MatrixXd Product(const Eigen::SparseMatrix<double>& a, const MatrixXd& b, int num_threads) {
+  MatrixXd product(a.rows(), b.cols());
+  const Index num_chunks = (b.cols() + kColumnsAtOnce - 1) / kColumnsAtOnce;
+  threads::ParallelFor(static_cast<int>(num_chunks), num_threads, [&](int chunk) {
+    const Index first = chunk * kColumnsAtOnce, count = std::min(kColumnsAtOnce, b.cols() - first);
+    product.middleCols(first, count).noalias() = a * b.middleCols(first, count);
   });
   return product;
 }
