@@ -34,10 +34,12 @@ LIMBER_INLINE void FindPlaces(const ProductsView& view, ptrdiff_t block, BlockPl
   for (int r = to->first; r < to->end; ++r)
     places[r] = view.local[view.from.rows[row + r]];
   const ptrdiff_t block_step = view.to_width * kBlockRows;
-  for (int r = to->first; r < to->end; ++r)
-    to->offset[r] = places[r] / kBlockRows * block_step + places[r] % kBlockRows;
   to->is_run = kHasMasks && AreConsecutive(places, to->first, to->end);
-  if (!to->is_run) return;
+  if (!to->is_run) {
+    for (int r = to->first; r < to->end; ++r)
+      to->offset[r] = places[r] / kBlockRows * block_step + places[r] % kBlockRows;
+    return;
+  }
   const int start = places[to->first] - to->first;  // of row 0, perhaps before the panel
   const int low = (start + kBlockRows) / kBlockRows - 1;
   to->shift = start - low * kBlockRows;

@@ -45,14 +45,17 @@ LIMBER_INLINE Block Zero() {
   return block;
 }
 
+// Register by register: as one copy, the compiler would take it through memory.
 LIMBER_INLINE Block LoadBlock(const double* from) {
   Block block;
-  __builtin_memcpy(&block, from, sizeof(block));
+  for (int i = 0; i < kRegisters; ++i)
+    __builtin_memcpy(&block.part[i], from + i * kRegisterWidth, sizeof(Register));
   return block;
 }
 
 LIMBER_INLINE void StoreBlock(const Block& block, double* to) {
-  __builtin_memcpy(to, &block, sizeof(block));
+  for (int i = 0; i < kRegisters; ++i)
+    __builtin_memcpy(to + i * kRegisterWidth, &block.part[i], sizeof(Register));
 }
 
 LIMBER_INLINE Register Broadcast(double number) {
