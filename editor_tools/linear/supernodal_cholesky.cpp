@@ -93,11 +93,10 @@ void SupernodalCholesky::FindRows(const Elimination& elimination) {
 }
 
 size_t SupernodalCholesky::Place(const Supernode& supernode, int place_in_rows, int column) const {
-  return supernode.values +
-         (static_cast<size_t>(place_in_rows / kBlockRows) * static_cast<size_t>(supernode.width) +
-          static_cast<size_t>(column)) *
-             kBlockRows +
-         static_cast<size_t>(place_in_rows % kBlockRows);
+  const auto row = static_cast<size_t>(place_in_rows), width = static_cast<size_t>(supernode.width);
+  const auto offset = static_cast<size_t>(column);
+  const size_t before = row / kBlockRows * width + offset;
+  return supernode.values + before * kBlockRows + row % kBlockRows;
 }
 
 void SupernodalCholesky::PlaceEntries(const SparseMatrix<double>& Q) {
@@ -108,7 +107,8 @@ void SupernodalCholesky::PlaceEntries(const SparseMatrix<double>& Q) {
     for (int row = 0; row < supernode.num_rows; ++row)
       local[static_cast<size_t>(rows_[supernode.rows + static_cast<size_t>(row)])] = row;
     for (int column = 0; column < supernode.width; ++column) {
-      const auto global = static_cast<size_t>(supernode.first + column);
+      const int number = supernode.first + column;
+      const auto global = static_cast<size_t>(number);
       diagonal_places_[global] = Place(supernode, column, column);
       for (SparseMatrix<double>::InnerIterator it(Q, old_of_new_[global]); it; ++it) {
         const auto row = static_cast<size_t>(new_of_old_[static_cast<size_t>(it.row())]);
