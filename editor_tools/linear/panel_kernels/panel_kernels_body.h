@@ -11,12 +11,12 @@ namespace limber::linear::LIMBER_KERNEL_NAMESPACE {
 // Where the rows of one block go in the panel that products are taken from.
 struct BlockPlaces {
   int first, end;  // rows of the block that go anywhere
-  // Where they follow each other there, row 0 would be row `shift` of the block at `low`, and those
-  // past its end go to `high`; null where a block gets none.
-  bool is_run;
+  // Where they follow each other there (is_run), row 0 would be row `shift` of the block at `low`,
+  // and those past its end go to `high`; null where a block gets none.
   double *low, *high;
-  int shift;
   ptrdiff_t offset[kBlockRows];  // else, of each row
+  int shift;
+  bool is_run;
 };
 
 LIMBER_INLINE bool AreConsecutive(const int* places, int first, int end) {
@@ -145,14 +145,14 @@ LIMBER_INLINE void FactorPivots(double* values, ptrdiff_t width, ptrdiff_t colum
   Block sums[1][kColumns];
   LIMBER_UNROLL
   for (int c = 0; c < kColumns; ++c)
-    sums[0][c] = LoadBlock(place + c * kBlockRows);
+    sums[0][c] = LoadBlock(place + c * kColumnStep);
   const Panel panel{values, width};
   SubtractProductsOf<1, kColumns>(panel, block, panel, column, column, sums);
   LIMBER_UNROLL
   for (int c = 0; c < kColumns; ++c) {
     for (int k = 0; k < c; ++k)
-      sums[0][c] = MulSub(sums[0][k], place[k * kBlockRows + pivot + c], sums[0][c]);
-    double* numbers = place + c * kBlockRows;
+      sums[0][c] = MulSub(sums[0][k], place[k * kColumnStep + pivot + c], sums[0][c]);
+    double* numbers = place + c * kColumnStep;
     StoreBlock(sums[0][c], numbers);
     const double inverse = InverseRoot(numbers[pivot + c], definite);
     sums[0][c] = Product(sums[0][c], inverse);
@@ -182,8 +182,8 @@ LIMBER_INLINE void SolveTile(double* values, ptrdiff_t width, ptrdiff_t column, 
     LIMBER_UNROLL
     for (int c = 0; c < kColumns; ++c) {
       for (int k = 0; k < c; ++k)
-        sums[b][c] = MulSub(sums[b][k], pivots[k * kBlockRows + pivot + c], sums[b][c]);
-      sums[b][c] = Product(sums[b][c], pivots[c * kBlockRows + pivot + c]);
+        sums[b][c] = MulSub(sums[b][k], pivots[k * kColumnStep + pivot + c], sums[b][c]);
+      sums[b][c] = Product(sums[b][c], pivots[c * kColumnStep + pivot + c]);
       StoreBlock(sums[b][c], values + ((block + b) * width + column + c) * kBlockRows);
     }
   }
@@ -258,8 +258,8 @@ LIMBER_INLINE void SolveInBlock(const PanelView& panel, ptrdiff_t block, double*
   double numbers[kBlockRows];
   for (int k = 0; k < count; ++k) {
     StoreBlock(sums, numbers);
-    y[k] = numbers[k] * values[k * kBlockRows + k];
-    sums = MulSub(LoadBlock(values + k * kBlockRows), y[k], sums);
+    y[k] = numbers[k] * values[k * kColumnStep + k];
+    sums = MulSub(LoadBlock(values + k * kColumnStep), y[k], sums);
   }
   Scatter(sums, panel, block, count, x);
 }
@@ -284,11 +284,11 @@ LIMBER_INLINE void SubtractFromColumns(const PanelView& panel, ptrdiff_t block, 
                                        double* sums) {
   const double* values = panel.values + block * panel.width * kBlockRows;
   for (ptrdiff_t k = 0; k < panel.width; ++k) {
-    Block sum = LoadBlock(sums + k * kBlockRows);
+    Block sum = LoadBlock(sums + k * kColumnStep);
     LIMBER_UNROLL
     for (int b = 0; b < kBlocks; ++b)
       sum = MulSub(LoadBlock(values + (b * panel.width + k) * kBlockRows), x[b], sum);
-    StoreBlock(sum, sums + k * kBlockRows);
+    StoreBlock(sum, sums + k * kColumnStep);
   }
 }
 
@@ -312,7 +312,7 @@ LIMBER_INLINE void TakeRowsBelow(const PanelView& panel, ptrdiff_t block, const 
 static void SolveBackward(const PanelView& panel, double* x) {
   double sums[kWidestPanel * kBlockRows];
   for (ptrdiff_t k = 0; k < panel.width; ++k)
-    StoreBlock(Zero(), sums + k * kBlockRows);
+    StoreBlock(Zero(), sums + k * kColumnStep);
   const ptrdiff_t num_blocks = NumBlocks(panel.num_rows);
   ptrdiff_t block = panel.width / kBlockRows;
   for (; block + 4 <= num_blocks; block += 4)
@@ -321,7 +321,7 @@ static void SolveBackward(const PanelView& panel, double* x) {
     TakeRowsBelow<1>(panel, block, x, sums);
   double* y = x + panel.rows[0];
   for (ptrdiff_t k = 0; k < panel.width; ++k) {
-    const double* sum = sums + k * kBlockRows;
+    const double* sum = sums + k * kColumnStep;
     y[k] += ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
   }
   for (ptrdiff_t row = panel.width - 1; row >= 0; --row) {
@@ -329,7 +329,7 @@ static void SolveBackward(const PanelView& panel, double* x) {
         panel.values + row / kBlockRows * panel.width * kBlockRows + row % kBlockRows;
     y[row] *= values[row * kBlockRows];
     for (ptrdiff_t k = 0; k < row; ++k)
-      y[k] -= values[k * kBlockRows] * y[row];
+      y[k] -= values[k * kColumnStep] * y[row];
   }
 }
 
@@ -349,7 +349,7 @@ LIMBER_INLINE void AddTile(const AddView& view, ptrdiff_t block, ptrdiff_t colum
   for (int b = 0; b < kBlocks; ++b) {
     LIMBER_UNROLL
     for (int c = 0; c < kColumns; ++c) {
-      double* place = to + c * view.to_step + b * kBlockRows;
+      double* place = to + c * view.to_step + b * kColumnStep;
       StoreBlock(Difference(LoadBlock(place), sums[b][c]), place);
     }
   }

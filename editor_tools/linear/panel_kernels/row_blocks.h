@@ -12,7 +12,11 @@
 namespace limber::linear::LIMBER_KERNEL_NAMESPACE {
 
 #define LIMBER_INLINE static inline __attribute__((always_inline))
+#if defined(__clang__)
+#define LIMBER_UNROLL _Pragma("clang loop unroll(full)")
+#else
 #define LIMBER_UNROLL _Pragma("GCC unroll 8")
+#endif
 
 #if defined(__AVX512F__)
 constexpr int kRegisterWidth = 8;
@@ -22,6 +26,7 @@ constexpr int kRegisterWidth = 4;
 constexpr int kRegisterWidth = 2;
 #endif
 constexpr int kRegisters = kBlockRows / kRegisterWidth;
+constexpr ptrdiff_t kColumnStep = kBlockRows;  // doubles from one column of a block to the next
 
 // A tile's sums stay in registers while the products run through: 16 of AVX-512's 32, 8 of 16.
 #if defined(__AVX512F__)
@@ -49,13 +54,13 @@ LIMBER_INLINE Block Zero() {
 LIMBER_INLINE Block LoadBlock(const double* from) {
   Block block;
   for (int i = 0; i < kRegisters; ++i)
-    __builtin_memcpy(&block.part[i], from + i * kRegisterWidth, sizeof(Register));
+    __builtin_memcpy(&block.part[i], from + ptrdiff_t{i} * kRegisterWidth, sizeof(Register));
   return block;
 }
 
 LIMBER_INLINE void StoreBlock(const Block& block, double* to) {
   for (int i = 0; i < kRegisters; ++i)
-    __builtin_memcpy(to + i * kRegisterWidth, &block.part[i], sizeof(Register));
+    __builtin_memcpy(to + ptrdiff_t{i} * kRegisterWidth, &block.part[i], sizeof(Register));
 }
 
 LIMBER_INLINE Register Broadcast(double number) {
