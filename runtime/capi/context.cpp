@@ -1,0 +1,123 @@
+#include "capi/context.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace limber::capi {
+namespace {
+
+constexpr uint32_t kContextCookie = 0x4C4D4301;
+
+// Why the last limberCreateContext of this thread failed; static storage.
+thread_local const char* create_message = "";
+
+LimberResult CreateFailed(LimberResult result, const char* message) {
+  create_message = message;
+  return result;
+}
+
+uint32_t MajorOf(uint32_t version) {
+  return version >> 22;
+}
+
+size_t CopyText(const char* text, size_t length, char* to, size_t size) {
+  if (to == nullptr || size == 0) return length;
+  const size_t count = std::min(length, size - 1);
+  std::memcpy(to, text, count);
+  to[count] = '\0';
+  return length;
+}
+
+template <class T, class Id>
+T* Find(const SlotTable<T>& table, Id id, const char* what, CallStatus* status) {
+  T* found = table.Find({id.index, id.generation});
+  if (found == nullptr) {
+    *status = {LIMBER_ERROR_STALE_ID, std::string(what) + " " + std::to_string(id.index) + "." +
+                                          std::to_string(id.generation) +
+                                          ": is gone, or never was"};
+  }
+  return found;
+}
+
+}  // namespace
+
+LimberResult End(LimberContext* context, const char* function, const CallStatus& status) {
+  std::string message;
+  try {
+    message = std::string(function) + ": " +
+              (status.message.empty() ? limberResultString(status.result) : status.message);
+    const std::lock_guard lock(context->message_mutex);
+    context->message = message;
+  } catch (const std::bad_alloc&) {  // then the code has to do
+  }
+  if (context->def.log != nullptr)
+    context->def.log(context->def.log_user, LIMBER_SEVERITY_ERROR, message.c_str());
+  return status.result;
+}
+
+RigEntry* FindRig(const LimberContext& context, LimberRigId id, CallStatus* status) {
+  return Find(context.rigs, id, "rig", status);
+}
+
+Instance* FindInstance(const LimberContext& context, LimberInstanceId id, CallStatus* status) {
+  return Find(context.instances, id, "instance", status);
+}
+
+CallStatus NullArgument(const char* name) {
+  return {LIMBER_ERROR_INVALID_ARGUMENT, std::string(name) + ": is null"};
+}
+
+}  // namespace limber::capi
+
+using limber::capi::CreateFailed;
+
+extern "C" {
+
+uint32_t limberGetVersion(void) {
+  return LIMBER_VERSION;
+}
+
+LimberContextDef limberDefaultContextDefOfVersion(uint32_t header_version) {
+  LimberContextDef def = {};
+  def.cookie = limber::capi::kContextCookie;
+  def.struct_size = sizeof(def);
+  def.header_version = header_version;
+  return def;
+}
+
+LimberResult limberCreateContext(const LimberContextDef* def, LimberContext** context) {
+  if (context == nullptr)
+    return CreateFailed(LIMBER_ERROR_INVALID_ARGUMENT, "limberCreateContext: context: is null");
+  LimberContextDef full = limberDefaultContextDef();
+  const limber::capi::CallStatus status =
+      limber::capi::Catch([&] { return limber::capi::ReadDef(def, "LimberContextDef", &full); });
+  if (!status.ok()) {
+    return CreateFailed(status.result,
+                        "limberCreateContext: def: not what limberDefaultContextDef() gives");
+  }
+  if (limber::capi::MajorOf(full.header_version) != LIMBER_VERSION_MAJOR) {
+    return CreateFailed(
+        LIMBER_ERROR_VERSION_MISMATCH,
+        "limberCreateContext: limber.h is of another major version than the library");
+  }
+  auto* made = new (std::nothrow) LimberContext{full, {}, {}, {}, {}};
+  if (made == nullptr)
+    return CreateFailed(LIMBER_ERROR_OUT_OF_MEMORY, "limberCreateContext: out of memory");
+  *context = made;
+  return LIMBER_SUCCESS;
+}
+
+void limberDestroyContext(LimberContext* context) {
+  delete context;
+}
+
+size_t limberGetLastMessage(const LimberContext* context, char* message, size_t size) {
+  if (context == nullptr) {
+    const char* text = limber::capi::create_message;
+    return limber::capi::CopyText(text, std::strlen(text), message, size);
+  }
+  const std::lock_guard lock(context->message_mutex);
+  return limber::capi::CopyText(context->message.c_str(), context->message.size(), message, size);
+}
+
+}  // extern "C"

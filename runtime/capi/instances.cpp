@@ -1,0 +1,241 @@
+// limber.h: instances.
+#include "capi/context.h"
+#include "solve/pose_model.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace limber::capi {
+namespace {
+
+constexpr uint32_t kInstanceCookie = 0x4C4D4303, kSolveCookie = 0x4C4D4304,
+                   kSkinCookie = 0x4C4D4305;
+
+// The model of a rig's instances, made where there is none yet.
+Result<std::shared_ptr<const PoseModel>> ModelOf(RigEntry* entry) {
+  const std::lock_guard lock(entry->mutex);
+  if (entry->model == nullptr) {
+    auto model = PoseModel::Create(entry->rig);
+    if (!model.ok()) return model;
+    entry->model = std::move(model).value();
+  }
+  return entry->model;
+}
+
+CallStatus Create(const LimberInstanceDef& def, RigEntry* entry,
+                  std::unique_ptr<Instance>* instance) {
+  auto model = ModelOf(entry);
+  if (!model.ok()) return model.status();
+  PoseRoom room;
+  room.rotations = def.max_rotations;
+  room.guaranteed = def.guaranteed != 0;
+  auto state = PoseState::Create(std::move(model).value(), room);
+  if (!state.ok()) return state.status();
+  std::optional<CpuSkinner> skinner;
+  if (def.skin != 0) {
+    auto made = CpuSkinner::Create(entry->rig->mesh(), entry->rig->tables().space);
+    if (!made.ok()) return made.status();
+    skinner = std::move(made).value();
+  }
+  *instance = std::make_unique<Instance>(Instance{std::move(state).value(), std::move(skinner)});
+  return {};
+}
+
+PoseOptions OptionsOf(const LimberSolveDef& def) {
+  PoseOptions options;
+  options.iterations = def.iterations;
+  options.lambda = def.nearness;
+  options.rotations = def.rotations != 0;
+  options.guaranteed = def.guaranteed != 0;
+  options.settle_tolerance = def.settle_tolerance;
+  options.stretch_limit = def.stretch_limit;
+  options.smoothing = def.smoothing;
+  options.time_step = def.time_step;
+  options.time_budget = def.time_budget;
+  return options;
+}
+
+CallStatus CheckOutput(const LimberVertexOutput& output, const char* name, size_t size) {
+  if (output.data == nullptr || (output.stride >= size && output.stride % 4 == 0)) return {};
+  return {LIMBER_ERROR_INVALID_ARGUMENT,
+          std::string(name) + ": a stride of " + std::to_string(output.stride) +
+              " bytes; a multiple of 4 is needed, of " + std::to_string(size) + " or more"};
+}
+
+template <class T>
+void Write(std::span<const T> from, const LimberVertexOutput& output) {
+  if (output.data == nullptr) return;
+  auto* to = static_cast<unsigned char*>(output.data);
+  for (const T& number : from) {
+    std::memcpy(to, &number, sizeof(T));
+    to += output.stride;
+  }
+}
+
+CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
+  LIMBER_RETURN_IF_FAILED(CheckOutput(def.positions, "positions", sizeof(Vec3)));
+  LIMBER_RETURN_IF_FAILED(CheckOutput(def.normals, "normals", sizeof(Vec3)));
+  LIMBER_RETURN_IF_FAILED(CheckOutput(def.tangents, "tangents", sizeof(Tangent)));
+  if (!instance.skinner.has_value()) {
+    return {LIMBER_ERROR_UNSUPPORTED,
+            "the instance was made without room for it (LimberInstanceDef::skin)"};
+  }
+  const uint32_t expected = instance.state.rig().mesh().num_draw_vertices;
+  if (def.num_vertices == expected) return {};
+  return {LIMBER_ERROR_INVALID_ARGUMENT, "num_vertices: " + std::to_string(def.num_vertices) +
+                                             "; the rig has " + std::to_string(expected)};
+}
+
+// An entry point that is about one instance: body is a CallStatus(Instance*).
+template <class Body>
+LimberResult CallInstance(LimberContext* context, const char* function, LimberInstanceId id,
+                          const Body& body) {
+  return Call(context, function, [&]() -> CallStatus {
+    CallStatus status;
+    Instance* instance = FindInstance(*context, id, &status);
+    if (instance == nullptr) return status;
+    return body(instance);
+  });
+}
+
+}  // namespace
+}  // namespace limber::capi
+
+using namespace limber;        // NOLINT(google-build-using-namespace): entry points in C's own
+using namespace limber::capi;  // NOLINT(google-build-using-namespace)
+
+extern "C" {
+
+LimberInstanceDef limberDefaultInstanceDef(void) {
+  LimberInstanceDef def = {};
+  def.cookie = kInstanceCookie;
+  def.struct_size = sizeof(def);
+  def.max_rotations = PoseRoom().rotations;
+  def.skin = 1;
+  return def;
+}
+
+LimberSolveDef limberDefaultSolveDef(void) {
+  LimberSolveDef def = {};
+  def.cookie = kSolveCookie;
+  def.struct_size = sizeof(def);
+  def.iterations = PoseOptions().iterations;
+  def.nearness = PoseOptions().lambda;
+  def.rotations = 1;
+  return def;
+}
+
+LimberSkinDef limberDefaultSkinDef(void) {
+  LimberSkinDef def = {};
+  def.cookie = kSkinCookie;
+  def.struct_size = sizeof(def);
+  def.positions.stride = def.normals.stride = sizeof(Vec3);
+  def.tangents.stride = sizeof(Tangent);
+  return def;
+}
+
+LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
+                                  const LimberInstanceDef* def, LimberInstanceId* instance) {
+  return Call(context, "limberCreateInstance", [&]() -> CallStatus {
+    CallStatus status;
+    RigEntry* entry = FindRig(*context, rig, &status);
+    if (entry == nullptr) return status;
+    if (instance == nullptr) return NullArgument("instance");
+    LimberInstanceDef full = limberDefaultInstanceDef();
+    LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberInstanceDef", &full));
+    std::unique_ptr<Instance> made;
+    LIMBER_RETURN_IF_FAILED(Create(full, entry, &made));
+    SlotId id;
+    if (!context->instances.Insert(std::move(made), &id))
+      return {LIMBER_ERROR_LIMIT_EXCEEDED, "a million instances are there already"};
+    *instance = {id.index, id.generation};
+    return {};
+  });
+}
+
+LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId instance) {
+  return CallInstance(context, "limberDestroyInstance", instance, [&](Instance*) -> CallStatus {
+    context->instances.Remove({instance.index, instance.generation});
+    return {};
+  });
+}
+
+LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance, int32_t handle,
+                             const float position[3]) {
+  return CallInstance(context, "limberSetTarget", instance, [&](Instance* of) -> CallStatus {
+    if (position == nullptr) return NullArgument("position");
+    return of->state.SetTarget(handle, {position[0], position[1], position[2]});
+  });
+}
+
+LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
+                                     int32_t handle, const float rotation[4]) {
+  return CallInstance(
+      context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
+        if (rotation == nullptr) return NullArgument("rotation");
+        return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]});
+      });
+}
+
+LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
+                                       int32_t handle) {
+  return CallInstance(context, "limberClearTargetRotation", instance,
+                      [&](Instance* of) -> CallStatus { return of->state.ClearRotation(handle); });
+}
+
+LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance) {
+  return CallInstance(context, "limberResetToRest", instance, [&](Instance* of) -> CallStatus {
+    of->state.ResetToRest();
+    return {};
+  });
+}
+
+LimberResult limberSolve(LimberContext* context, LimberInstanceId instance,
+                         const LimberSolveDef* def, LimberSolveReport* report) {
+  return CallInstance(context, "limberSolve", instance, [&](Instance* of) -> CallStatus {
+    LimberSolveDef full = limberDefaultSolveDef();
+    LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSolveDef", &full));
+    PoseReport solved;
+    LIMBER_RETURN_IF_FAILED(of->state.Solve(OptionsOf(full), &solved));
+    if (report != nullptr) {
+      *report = {solved.energy, solved.change, solved.iterations, solved.settled ? 1 : 0,
+                 solved.at_rest ? 1 : 0};
+    }
+    return {};
+  });
+}
+
+LimberResult limberGetBlendWeights(LimberContext* context, LimberInstanceId instance,
+                                   double* weights, size_t count) {
+  return CallInstance(context, "limberGetBlendWeights", instance, [&](Instance* of) -> CallStatus {
+    if (weights == nullptr) return NullArgument("weights");
+    const std::span<const double> from = of->state.blend_weights();
+    if (count != from.size()) {
+      return {LIMBER_ERROR_INVALID_ARGUMENT, "count: " + std::to_string(count) + "; there are " +
+                                                 std::to_string(from.size()) +
+                                                 ", groups times shapes"};
+    }
+    std::copy(from.begin(), from.end(), weights);
+    return {};
+  });
+}
+
+LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
+                        const LimberSkinDef* def) {
+  return CallInstance(context, "limberSkin", instance, [&](Instance* of) -> CallStatus {
+    if (def == nullptr) return NullArgument("def");
+    LimberSkinDef full = limberDefaultSkinDef();
+    LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSkinDef", &full));
+    LIMBER_RETURN_IF_FAILED(CheckSkinDef(full, *of));
+    const bool with_frames = full.normals.data != nullptr || full.tangents.data != nullptr;
+    LIMBER_RETURN_IF_FAILED(with_frames ? of->skinner->Skin(of->state.transforms())
+                                        : of->skinner->SkinPositionsOnly(of->state.transforms()));
+    const DeformedMesh mesh = of->skinner->result();
+    Write(mesh.positions, full.positions);
+    Write(mesh.normals, full.normals);
+    Write(mesh.tangents, full.tangents);
+    return {};
+  });
+}
+
+}  // extern "C"

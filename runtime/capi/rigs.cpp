@@ -1,0 +1,144 @@
+// limber.h: rigs.
+#include "capi/context.h"
+#include "load/rig_loader.h"
+
+namespace limber::capi {
+namespace {
+
+constexpr uint32_t kRigCookie = 0x4C4D4302;
+
+CallStatus ReadRigDef(const LimberRigDef* def, RigLoadOptions* options) {
+  LimberRigDef full = limberDefaultRigDef();
+  LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberRigDef", &full));
+  options->rig_index = full.rig_index;
+  return {};
+}
+
+CallStatus Keep(Result<std::shared_ptr<const Rig>> loaded, LimberContext* context,
+                LimberRigId* rig) {
+  if (!loaded.ok()) return loaded.status();
+  auto entry = std::make_unique<RigEntry>();
+  entry->rig = std::move(loaded).value();
+  SlotId id;
+  if (!context->rigs.Insert(std::move(entry), &id))
+    return {LIMBER_ERROR_LIMIT_EXCEEDED, "a million rigs are there already"};
+  *rig = {id.index, id.generation};
+  return {};
+}
+
+CallStatus CheckHandle(const Rig& rig, int32_t handle) {
+  if (handle >= 0 && handle < rig.num_handles()) return {};
+  return {LIMBER_ERROR_INVALID_ARGUMENT,
+          "handle " + std::to_string(handle) + ": there are " + std::to_string(rig.num_handles())};
+}
+
+std::string NamesOf(const Rig& rig) {
+  std::string names;
+  for (const RigHandle& handle : rig.tables().handles)
+    names += (names.empty() ? "" : ", ") + handle.name;
+  return names;
+}
+
+}  // namespace
+}  // namespace limber::capi
+
+using namespace limber;        // NOLINT(google-build-using-namespace): entry points in C's own
+using namespace limber::capi;  // NOLINT(google-build-using-namespace)
+
+extern "C" {
+
+LimberRigDef limberDefaultRigDef(void) {
+  LimberRigDef def = {};
+  def.cookie = kRigCookie;
+  def.struct_size = sizeof(def);
+  return def;
+}
+
+LimberResult limberLoadRig(LimberContext* context, const char* path, const LimberRigDef* def,
+                           LimberRigId* rig) {
+  return Call(context, "limberLoadRig", [&]() -> CallStatus {
+    if (path == nullptr) return NullArgument("path");
+    if (rig == nullptr) return NullArgument("rig");
+    RigLoadOptions options;
+    LIMBER_RETURN_IF_FAILED(ReadRigDef(def, &options));
+    return Keep(LoadRig(std::filesystem::u8path(path), options), context, rig);
+  });
+}
+
+LimberResult limberLoadRigFromMemory(LimberContext* context, const void* bytes, size_t num_bytes,
+                                     const char* name, const LimberRigDef* def, LimberRigId* rig) {
+  return Call(context, "limberLoadRigFromMemory", [&]() -> CallStatus {
+    if (bytes == nullptr) return NullArgument("bytes");
+    if (rig == nullptr) return NullArgument("rig");
+    RigLoadOptions options;
+    LIMBER_RETURN_IF_FAILED(ReadRigDef(def, &options));
+    const std::span file(static_cast<const uint8_t*>(bytes), num_bytes);
+    return Keep(LoadRigFromMemory(file, name == nullptr ? "memory" : name, options), context, rig);
+  });
+}
+
+LimberResult limberDestroyRig(LimberContext* context, LimberRigId rig) {
+  return Call(context, "limberDestroyRig", [&]() -> CallStatus {
+    CallStatus status;
+    if (FindRig(*context, rig, &status) != nullptr)
+      context->rigs.Remove({rig.index, rig.generation});
+    return status;
+  });
+}
+
+LimberResult limberGetRigInfo(LimberContext* context, LimberRigId rig, LimberRigInfo* info) {
+  return Call(context, "limberGetRigInfo", [&]() -> CallStatus {
+    CallStatus status;
+    const RigEntry* entry = FindRig(*context, rig, &status);
+    if (entry == nullptr) return status;
+    if (info == nullptr) return NullArgument("info");
+    const Rig& from = *entry->rig;
+    const SkinMesh& mesh = from.mesh();
+    *info = {from.num_handles(),
+             from.num_shapes(),
+             from.num_groups(),
+             from.dimension(),
+             mesh.num_draw_vertices,
+             mesh.num_triangles(),
+             from.diagonal(),
+             mesh.triangles.data(),
+             mesh.texcoords.empty() ? nullptr : mesh.texcoords.data()};
+    return {};
+  });
+}
+
+LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig, int32_t handle,
+                                 LimberHandleInfo* info) {
+  return Call(context, "limberGetHandleInfo", [&]() -> CallStatus {
+    CallStatus status;
+    const RigEntry* entry = FindRig(*context, rig, &status);
+    if (entry == nullptr) return status;
+    if (info == nullptr) return NullArgument("info");
+    LIMBER_RETURN_IF_FAILED(CheckHandle(*entry->rig, handle));
+    const RigHandle& from = entry->rig->tables().handles[static_cast<size_t>(handle)];
+    *info = {from.name.c_str(),
+             {from.rest_position.x, from.rest_position.y, from.rest_position.z},
+             from.pinned ? 1 : 0};
+    return {};
+  });
+}
+
+LimberResult limberFindHandle(LimberContext* context, LimberRigId rig, const char* name,
+                              int32_t* handle) {
+  return Call(context, "limberFindHandle", [&]() -> CallStatus {
+    CallStatus status;
+    const RigEntry* entry = FindRig(*context, rig, &status);
+    if (entry == nullptr) return status;
+    if (name == nullptr) return NullArgument("name");
+    if (handle == nullptr) return NullArgument("handle");
+    const int found = entry->rig->FindHandle(name);
+    if (found < 0) {
+      return {LIMBER_ERROR_NOT_FOUND,
+              "no handle '" + std::string(name) + "'; there are " + NamesOf(*entry->rig)};
+    }
+    *handle = found;
+    return {};
+  });
+}
+
+}  // extern "C"
