@@ -5,12 +5,12 @@
  *   instance  one character in the scene: its targets, its pose, its skin
  *
  * Rigs and instances are named by ids; an id that is used after its end is answered with
- * LIMBER_ERROR_STALE_ID, never with a crash. Lengths and positions are in the units and the space of
- * the rig's glTF mesh (mesh space), right-handed.
+ * LIMBER_ERROR_STALE_ID, never with a crash. Lengths and positions are in the units and the space
+ * of the rig's glTF mesh (mesh space), right-handed.
  *
- * Threads: any number of threads may call into a context at once. One instance belongs to one thread
- * at a time; two calls about it must not overlap. Everything else is said at the functions. Those
- * marked [frame] allocate nothing and take no lock while they succeed.
+ * Threads: any number of threads may call into a context at once. One instance belongs to one
+ * thread at a time; two calls about it must not overlap. Everything else is said at the functions.
+ * Those marked [frame] allocate nothing and take no lock while they succeed.
  *
  * Errors: every function that can fail returns a LimberResult and leaves its outputs alone when it
  * does; limberGetLastMessage has one line for people. */
@@ -40,25 +40,27 @@ extern "C" {
 #define LIMBER_VERSION \
   LIMBER_MAKE_VERSION(LIMBER_VERSION_MAJOR, LIMBER_VERSION_MINOR, LIMBER_VERSION_PATCH)
 
-/* Of the library, which may be newer than the header that the caller was compiled with. Any thread. */
+/* Of the library, which may be newer than the header that the caller was compiled with. Any thread.
+ */
 LIMBER_API uint32_t limberGetVersion(void);
 
 typedef int32_t LimberResult;
+
 enum {
   LIMBER_SUCCESS = 0,
-  LIMBER_ERROR_INVALID_ARGUMENT = 1,  /* the call makes no sense: null, out of range, not a number */
-  LIMBER_ERROR_STALE_ID = 2,          /* the rig or instance is gone, or never was */
+  LIMBER_ERROR_INVALID_ARGUMENT = 1, /* the call makes no sense: null, out of range, not a number */
+  LIMBER_ERROR_STALE_ID = 2,         /* the rig or instance is gone, or never was */
   LIMBER_ERROR_STRUCT_NOT_DEFAULT = 3, /* a Def that did not begin with its limberDefault...Def() */
-  LIMBER_ERROR_NOT_FOUND = 4,         /* no such file, no such name */
-  LIMBER_ERROR_IO = 5,                /* the operating system refused */
-  LIMBER_ERROR_MALFORMED = 6,         /* the file breaks its own format */
-  LIMBER_ERROR_UNSUPPORTED = 7,       /* not baked, or baked without what is asked for */
-  LIMBER_ERROR_VERSION_MISMATCH = 8,  /* made by something newer than this library */
-  LIMBER_ERROR_MESH_MISMATCH = 9,     /* the mesh was changed after it was baked: bake it again */
-  LIMBER_ERROR_LIMIT_EXCEEDED = 10,   /* larger than a published limit */
+  LIMBER_ERROR_NOT_FOUND = 4,          /* no such file, no such name */
+  LIMBER_ERROR_IO = 5,                 /* the operating system refused */
+  LIMBER_ERROR_MALFORMED = 6,          /* the file breaks its own format */
+  LIMBER_ERROR_UNSUPPORTED = 7,        /* not baked, or baked without what is asked for */
+  LIMBER_ERROR_VERSION_MISMATCH = 8,   /* made by something newer than this library */
+  LIMBER_ERROR_MESH_MISMATCH = 9,      /* the mesh was changed after it was baked: bake it again */
+  LIMBER_ERROR_LIMIT_EXCEEDED = 10,    /* larger than a published limit */
   LIMBER_ERROR_OUT_OF_MEMORY = 11,
-  LIMBER_ERROR_DEVICE = 12,           /* the graphics device failed */
-  LIMBER_ERROR_INTERNAL = 13          /* a bug of Limber's own: please report it */
+  LIMBER_ERROR_DEVICE = 12,  /* the graphics device failed */
+  LIMBER_ERROR_INTERNAL = 13 /* a bug of Limber's own: please report it */
 };
 
 /* "stale_id", for logs. Static; any thread; never null. */
@@ -77,14 +79,15 @@ typedef struct LimberInstanceId {
 /* ---- Context ------------------------------------------------------------------------------- */
 
 typedef int32_t LimberSeverity;
+
 enum {
   LIMBER_SEVERITY_INFO = 0,
   LIMBER_SEVERITY_WARNING = 1,
   LIMBER_SEVERITY_ERROR = 2 /* what limberGetLastMessage then says */
 };
 
-/* Called on the thread that caused it, with no lock held; `message` is one line that lives until the
- * callback returns. It must not throw. */
+/* Called on the thread that caused it, with no lock held; `message` is one line that lives until
+ * the callback returns. It must not throw. */
 typedef void (*LimberLogFunction)(void* user, LimberSeverity severity, const char* message);
 
 /* Every Def: begin with its limberDefault...Def(), then change what is to differ. */
@@ -122,29 +125,31 @@ typedef struct LimberRigDef {
 
 LIMBER_API LimberRigDef limberDefaultRigDef(void);
 
-/* Reads a baked .glb or .gltf; `path` is UTF-8, `def` may be null. Takes milliseconds to seconds; any
- * thread, while others run frames. Errors: those of the enumeration about files; the message begins
- * with the file. */
+/* Reads a baked .glb or .gltf; `path` is UTF-8, `def` may be null. Takes milliseconds to seconds;
+ * any thread, while others run frames. Errors: those of the enumeration about files; the message
+ * begins with the file. */
 LIMBER_API LimberResult limberLoadRig(LimberContext* context, const char* path,
                                       const LimberRigDef* def, LimberRigId* rig);
 
-/* The same of a file in memory (a .gltf with its buffers inside), which may go afterwards. `name` is
- * for messages. */
+/* The same of a file in memory (a .gltf with its buffers inside), which may go afterwards. `name`
+ * is for messages. */
 LIMBER_API LimberResult limberLoadRigFromMemory(LimberContext* context, const void* bytes,
                                                 size_t num_bytes, const char* name,
                                                 const LimberRigDef* def, LimberRigId* rig);
 
-/* Ends the id. Instances of the rig live on and keep what they need. Any thread. Errors: STALE_ID. */
+/* Ends the id. Instances of the rig live on and keep what they need. Any thread. Errors: STALE_ID.
+ */
 LIMBER_API LimberResult limberDestroyRig(LimberContext* context, LimberRigId rig);
 
 typedef struct LimberRigInfo {
   int32_t num_handles, num_shapes, num_groups;
-  int32_t dimension;         /* 2 or 3 */
-  uint32_t num_vertices;     /* of the glTF's primitives, one after the other */
+  int32_t dimension;     /* 2 or 3 */
+  uint32_t num_vertices; /* of the glTF's primitives, one after the other */
   uint32_t num_triangles;
-  float diagonal;            /* of the first example shape's bounding box */
-  const uint32_t* triangles; /* [num_triangles][3] vertex numbers; live until the rig is destroyed */
-  const float* texcoords;    /* [num_vertices][2], or null; live as long */
+  float diagonal; /* of the first example shape's bounding box */
+  const uint32_t*
+      triangles;          /* [num_triangles][3] vertex numbers; live until the rig is destroyed */
+  const float* texcoords; /* [num_vertices][2], or null; live as long */
 } LimberRigInfo;
 
 /* Any thread. Errors: STALE_ID, INVALID_ARGUMENT. */
@@ -157,8 +162,8 @@ typedef struct LimberHandleInfo {
   int32_t pinned;         /* 1: held at its target; 0: it adds freedom, and follows */
 } LimberHandleInfo;
 
-LIMBER_API LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig,
-                                            int32_t handle, LimberHandleInfo* info);
+LIMBER_API LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig, int32_t handle,
+                                            LimberHandleInfo* info);
 
 /* The number of a handle, by its name. Errors: STALE_ID, INVALID_ARGUMENT, NOT_FOUND (the message
  * lists what there is). */
@@ -184,8 +189,9 @@ LIMBER_API LimberResult limberCreateInstance(LimberContext* context, LimberRigId
 
 LIMBER_API LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId instance);
 
-/* Where a pinned handle is to be. [frame] Errors, the old target staying: STALE_ID, INVALID_ARGUMENT
- * (no such handle, not pinned, not finite or a million times the character's size away). */
+/* Where a pinned handle is to be. [frame] Errors, the old target staying: STALE_ID,
+ * INVALID_ARGUMENT (no such handle, not pinned, not finite or a million times the character's size
+ * away). */
 LIMBER_API LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance,
                                         int32_t handle, const float position[3]);
 
@@ -193,19 +199,19 @@ LIMBER_API LimberResult limberSetTarget(LimberContext* context, LimberInstanceId
  * [frame] Errors: as above; LIMIT_EXCEEDED (max_rotations), UNSUPPORTED (an old bake). */
 LIMBER_API LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
                                                 int32_t handle, const float rotation[4]);
-LIMBER_API LimberResult limberClearTargetRotation(LimberContext* context,
-                                                  LimberInstanceId instance, int32_t handle);
+LIMBER_API LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
+                                                  int32_t handle);
 
 /* Targets at rest, no rotation, held what was baked as held. [frame] */
 LIMBER_API LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance);
 
 typedef struct LimberSolveDef {
   uint32_t cookie, struct_size;
-  int32_t iterations;      /* alternations of the solve (1: the next frame goes on from there) */
-  float nearness;          /* lambda of the paper's eq. 10: how much few examples are preferred (0.5) */
-  int32_t rotations;       /* 0: examples are only blended, as in a face (1) */
-  int32_t guaranteed;      /* 1: the energy never increases while targets stay; some three times the
-                              cost (0) */
+  int32_t iterations; /* alternations of the solve (1: the next frame goes on from there) */
+  float nearness;     /* lambda of the paper's eq. 10: how much few examples are preferred (0.5) */
+  int32_t rotations;  /* 0: examples are only blended, as in a face (1) */
+  int32_t guaranteed; /* 1: the energy never increases while targets stay; some three times the
+                         cost (0) */
   double settle_tolerance; /* stop before `iterations` at a change below this (0: never) */
   double stretch_limit;    /* handles stay nearer than this times their longest way over the skin in
                               any example (0: no limit) */
@@ -226,8 +232,8 @@ typedef struct LimberSolveReport {
 } LimberSolveReport;
 
 /* Moves the pose towards its optimum from where the last solve ended. `def` may be null (the
- * defaults), so may `report`. Microseconds, whatever the number of vertices. The same calls give the
- * same bits, on any thread. [frame] Errors, the pose staying: STALE_ID, INVALID_ARGUMENT,
+ * defaults), so may `report`. Microseconds, whatever the number of vertices. The same calls give
+ * the same bits, on any thread. [frame] Errors, the pose staying: STALE_ID, INVALID_ARGUMENT,
  * STRUCT_NOT_DEFAULT, UNSUPPORTED (rotations of a bake without). */
 LIMBER_API LimberResult limberSolve(LimberContext* context, LimberInstanceId instance,
                                     const LimberSolveDef* def, LimberSolveReport* report);
@@ -240,23 +246,24 @@ LIMBER_API LimberResult limberGetBlendWeights(LimberContext* context, LimberInst
 /* Where the vertices' numbers go: `data` is the first vertex's first float, `stride` bytes lie
  * between two vertices' (a multiple of 4; the host's own vertex layout, interleaved or not). */
 typedef struct LimberVertexOutput {
-  void* data;    /* null: not wanted */
+  void* data; /* null: not wanted */
   size_t stride;
 } LimberVertexOutput;
 
 typedef struct LimberSkinDef {
   uint32_t cookie, struct_size;
-  uint32_t num_vertices;         /* that there is room for: LimberRigInfo::num_vertices */
-  LimberVertexOutput positions;  /* 3 floats each, mesh space */
-  LimberVertexOutput normals;    /* 3 floats each, unit, recomputed from the deformed surface */
-  LimberVertexOutput tangents;   /* 4 floats each as in glTF: unit, and the bitangent's sign */
+  uint32_t num_vertices;        /* that there is room for: LimberRigInfo::num_vertices */
+  LimberVertexOutput positions; /* 3 floats each, mesh space */
+  LimberVertexOutput normals;   /* 3 floats each, unit, recomputed from the deformed surface */
+  LimberVertexOutput tangents;  /* 4 floats each as in glTF: unit, and the bitangent's sign */
 } LimberSkinDef;
 
 LIMBER_API LimberSkinDef limberDefaultSkinDef(void);
 
 /* Writes the skin of the last solve on this processor. Vertices of one point get the same bits, so
- * that no seam opens. [frame] Errors: STALE_ID, INVALID_ARGUMENT (a stride too small or not a multiple
- * of 4, another number of vertices), STRUCT_NOT_DEFAULT, UNSUPPORTED (an instance without room). */
+ * that no seam opens. [frame] Errors: STALE_ID, INVALID_ARGUMENT (a stride too small or not a
+ * multiple of 4, another number of vertices), STRUCT_NOT_DEFAULT, UNSUPPORTED (an instance without
+ * room). */
 LIMBER_API LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                                    const LimberSkinDef* def);
 

@@ -1,7 +1,7 @@
 /* A caller in C99, with nothing but the header. */
-#include "limber/limber.h"
-
 #include "c_caller.h"
+
+#include "limber/limber.h"
 
 int DragInC(const void* bytes, size_t num_bytes, float moved[3], uint32_t* num_vertices) {
   LimberContextDef context_def = limberDefaultContextDef();
