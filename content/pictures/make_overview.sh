@@ -6,18 +6,8 @@
 #   content/pictures/make_overview.sh [LIMBER]        default: build/release/bin/limber
 #
 # The targets lie beside this script: every pose is reached from the one before in a few frames.
-set -euo pipefail
-
-top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-here=$top/content/pictures
-limber=${1:-$top/build/release/bin/limber}
-[[ -x $limber ]] || { echo "$limber: not found; build it first, or name it" >&2; exit 1; }
-command -v convert > /dev/null || { echo "convert: not found; install ImageMagick" >&2; exit 1; }
-
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-"$limber" -q bake "$top/content/characters/dragonlet.glb" -o "$work/dragonlet.glb"
+# shellcheck source=content/pictures/begin.sh
+source "$(dirname "${BASH_SOURCE[0]}")/begin.sh" "$@"
 
 # render NAME TARGETS SIZE ZOOM OPTIONS...: twice the size that is needed, for smooth edges.
 render() {

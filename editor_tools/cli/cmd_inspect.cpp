@@ -2,7 +2,7 @@
 #include "cli/command.h"
 #include "cli/handle_file_names.h"
 #include "cli/output.h"
-#include "cli/picture_size.h"
+#include "cli/picture_options.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
 #include "inspect/colored_character.h"
@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 namespace limber::cli {
@@ -43,12 +42,10 @@ Examples:
 )";
 
 struct InspectOptions {
-  std::string baked, output, targets, size = "640x480";
+  std::string baked, output, targets;
   std::vector<std::string> what = {kWeights, kGroups, kExamples}, handles;
   int frame = 0;
-  float yaw_deg = 0, pitch_deg = 0, zoom = 1;
-  bool validate = false;
-  viewer::HeadlessOptions headless;
+  PictureOptions picture = {.size = "640x480"};
 
   bool Asks(const char* name) const {
     return std::find(what.begin(), what.end(), name) != what.end();
@@ -120,12 +117,10 @@ class Pictures {
 
   Status Draw(const inspect::ColoredCharacter& character, const SkinTransforms& transforms,
               std::span<const viewer::HandleDot> dots, viewer::Image* image) const {
-    auto renderer = viewer::HeadlessRenderer::Create(character.Source(), options_.headless);
+    auto renderer = viewer::HeadlessRenderer::Create(character.Source(), options_.picture.headless);
     if (!renderer.ok()) return renderer.status();
     viewer::OrbitCamera camera = Camera(character, **renderer);
-    constexpr float kRadians = std::numbers::pi_v<float> / 180;
-    camera.Orbit(options_.yaw_deg * kRadians, options_.pitch_deg * kRadians);
-    camera.Zoom(1 / options_.zoom);
+    options_.picture.Move(&camera);
     LIMBER_RETURN_IF_ERROR((*renderer)->RenderFrame(transforms, camera, dots, image));
     const std::vector<std::string> messages = (*renderer)->validation_log().messages();
     if (messages.empty()) return {};
@@ -137,8 +132,8 @@ class Pictures {
   viewer::OrbitCamera Camera(const inspect::ColoredCharacter& character,
                              const viewer::HeadlessRenderer& renderer) const {
     if (!options_.targets.empty()) return renderer.DefaultCamera();
-    const float aspect =
-        static_cast<float>(options_.headless.width) / static_cast<float>(options_.headless.height);
+    const float aspect = static_cast<float>(options_.picture.headless.width) /
+                         static_cast<float>(options_.picture.headless.height);
     const viewer::Bounds bounds = viewer::ShapeBounds(character.mesh, character.space, 0);
     return character.dimension == 2
                ? viewer::OrbitCamera::FrameFlat(bounds, character.space, aspect)
@@ -233,19 +228,17 @@ Status DrawAll(const Subject& subject, const InspectOptions& options, Pictures* 
     groups = std::move(read).value();
   }
   if (options.Asks(kWeights))
-    LIMBER_RETURN_IF_ERROR(DrawWeights(subject, *handles, options.headless, pictures, progress));
+    LIMBER_RETURN_IF_ERROR(
+        DrawWeights(subject, *handles, options.picture.headless, pictures, progress));
   if (options.Asks(kGroups)) LIMBER_RETURN_IF_ERROR(DrawGroups(subject, groups, pictures));
   if (options.Asks(kExamples)) LIMBER_RETURN_IF_ERROR(DrawExamples(subject, groups, pictures));
   return {};
 }
 
 ExitCode RunInspect(InspectOptions options, const Console& console) {
-  if (const std::string wrong =
-          ParseSize(options.size, &options.headless.width, &options.headless.height);
-      !wrong.empty()) {
+  if (const std::string wrong = options.picture.Complete(); !wrong.empty()) {
     return console.FailUsage(wrong + "; see limber inspect --help");
   }
-  options.headless.validation = options.validate;
   const Result<Subject> subject = Load(options);
   if (!subject.ok()) return console.Fail(subject.status());
   Result<OutputFolder> output = OutputFolder::Create(options.output);
@@ -282,17 +275,7 @@ Command AddInspectCommand(CLI::App* parent) {
       ->check(CLI::NonNegativeNumber)
       ->needs(targets)
       ->option_text("N");
-  app->add_option("--size", options->size, "Size of a picture (default 640x480)")
-      ->option_text("WxH");
-  app->add_option("--yaw", options->yaw_deg, "Turn the camera around the character, in degrees")
-      ->option_text("DEG");
-  app->add_option("--pitch", options->pitch_deg, "Raise the camera, in degrees")
-      ->option_text("DEG");
-  app->add_option("--zoom", options->zoom, "Enlarge the character by this factor")
-      ->check(CLI::Range(0.01f, 100.0f))
-      ->option_text("X");
-  app->add_flag("--validate", options->validate,
-                "Run with the Vulkan validation layers; any message is a failure");
+  options->picture.AddTo(app);
   app->footer(kFooter);
   return {app, [options](const Console& console) { return RunInspect(*options, console); }};
 }

@@ -1,7 +1,7 @@
 // limber render: frames of handle targets -> PNG pictures, through Vulkan, without a window.
 #include "cli/command.h"
 #include "cli/output.h"
-#include "cli/picture_size.h"
+#include "cli/picture_options.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
 #include "viewer/headless.h"
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
-#include <numbers>
 
 namespace limber::cli {
 namespace {
@@ -32,10 +31,8 @@ Examples:
 
 struct RenderCommandOptions {
   PoseRunOptions run;
-  std::string size = "1280x720";
-  float yaw_deg = 0, pitch_deg = 0, zoom = 1;
-  bool dots = false, validate = false;
-  viewer::HeadlessOptions headless;
+  PictureOptions picture = {.size = "1280x720"};
+  bool dots = false;
 };
 
 // Sums over all frames, in milliseconds.
@@ -64,9 +61,7 @@ Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& o
   Result<PoseState> state = CreateState(run.rig, options.run);
   if (!state.ok()) return state.status();
   viewer::OrbitCamera camera = renderer->DefaultCamera();
-  constexpr float kRadians = std::numbers::pi_v<float> / 180;
-  camera.Orbit(options.yaw_deg * kRadians, options.pitch_deg * kRadians);
-  camera.Zoom(1 / options.zoom);
+  options.picture.Move(&camera);
   StageSums sums;
   viewer::Image image;
   for (size_t i = 0; i < run.frames.size(); ++i) {
@@ -121,12 +116,9 @@ void Report(const PoseRun& run, const StageSums& sums, const viewer::HeadlessRen
 }
 
 ExitCode RunRender(RenderCommandOptions options, const Console& console) {
-  if (const std::string wrong =
-          ParseSize(options.size, &options.headless.width, &options.headless.height);
-      !wrong.empty()) {
+  if (const std::string wrong = options.picture.Complete(); !wrong.empty()) {
     return console.FailUsage(wrong + "; see limber render --help");
   }
-  options.headless.validation = options.validate;
   const Result<GltfFile> file = GltfFile::Open(options.run.baked);
   if (!file.ok()) return console.Fail(file.status());
   const Result<PoseRun> run = LoadPoseRun(*file, options.run);
@@ -134,7 +126,7 @@ ExitCode RunRender(RenderCommandOptions options, const Console& console) {
   Result<OutputFolder> output = OutputFolder::Create(options.run.output);
   if (!output.ok()) return console.Fail(output.status());
   const auto renderer =
-      viewer::HeadlessRenderer::Create(*run->rig, options.run.baked, options.headless);
+      viewer::HeadlessRenderer::Create(*run->rig, options.run.baked, options.picture.headless);
   if (!renderer.ok()) return console.Fail(renderer.status());
 
   ProgressBar progress(console);
@@ -153,18 +145,8 @@ Command AddRenderCommand(CLI::App* parent) {
   CLI::App* app = parent->add_subcommand("render", "Drag a baked character, write pictures (PNG)");
   auto options = std::make_shared<RenderCommandOptions>();
   options->run.AddTo(app);
-  app->add_option("--size", options->size, "Size of the pictures (default 1280x720)")
-      ->option_text("WxH");
+  options->picture.AddTo(app);
   app->add_flag("--dots", options->dots, "Draw the handles as dots");
-  app->add_option("--yaw", options->yaw_deg, "Turn the camera around the character, in degrees")
-      ->option_text("DEG");
-  app->add_option("--pitch", options->pitch_deg, "Raise the camera, in degrees")
-      ->option_text("DEG");
-  app->add_option("--zoom", options->zoom, "Enlarge the character by this factor")
-      ->check(CLI::Range(0.01f, 100.0f))
-      ->option_text("X");
-  app->add_flag("--validate", options->validate,
-                "Run with the Vulkan validation layers; any message is a failure");
   app->footer(kFooter);
   return {app, [options](const Console& console) { return RunRender(*options, console); }};
 }

@@ -28,17 +28,6 @@ size_t CopyText(const char* text, size_t length, char* to, size_t size) {
   return length;
 }
 
-template <class T, class Id>
-T* Find(const SlotTable<T>& table, Id id, const char* what, CallStatus* status) {
-  T* found = table.Find({id.index, id.generation});
-  if (found == nullptr) {
-    *status = {LIMBER_ERROR_STALE_ID, std::string(what) + " " + std::to_string(id.index) + "." +
-                                          std::to_string(id.generation) +
-                                          ": is gone, or never was"};
-  }
-  return found;
-}
-
 }  // namespace
 
 LimberResult End(LimberContext* context, const char* function, const CallStatus& status) {
@@ -55,16 +44,13 @@ LimberResult End(LimberContext* context, const char* function, const CallStatus&
   return status.result;
 }
 
-RigEntry* FindRig(const LimberContext& context, LimberRigId id, CallStatus* status) {
-  return Find(context.rigs, id, "rig", status);
-}
-
-Instance* FindInstance(const LimberContext& context, LimberInstanceId id, CallStatus* status) {
-  return Find(context.instances, id, "instance", status);
-}
-
 CallStatus NullArgument(const char* name) {
   return {LIMBER_ERROR_INVALID_ARGUMENT, std::string(name) + ": is null"};
+}
+
+CallStatus StaleId(const char* what, uint32_t index, uint32_t generation) {
+  return {LIMBER_ERROR_STALE_ID, std::string(what) + " " + std::to_string(index) + "." +
+                                     std::to_string(generation) + ": is gone, or never was"};
 }
 
 }  // namespace limber::capi

@@ -40,6 +40,9 @@ struct LimberContext {
 
 namespace limber::capi {
 
+CallStatus NullArgument(const char* name);
+CallStatus StaleId(const char* what, uint32_t index, uint32_t generation);
+
 // Remembers a failure's message, tells the log, and returns the code. No lock is held in the log.
 LimberResult End(LimberContext* context, const char* function, const CallStatus& status);
 
@@ -51,10 +54,24 @@ LimberResult Call(LimberContext* context, const char* function, const Body& body
   return status.ok() ? LIMBER_SUCCESS : End(context, function, status);
 }
 
-// Null, with *status saying so, for a stale id.
-RigEntry* FindRig(const LimberContext& context, LimberRigId id, CallStatus* status);
-Instance* FindInstance(const LimberContext& context, LimberInstanceId id, CallStatus* status);
+// An entry point that is about one rig or one instance: body is a CallStatus(RigEntry*), or a
+// CallStatus(Instance*). A stale id fails.
+template <class Body>
+LimberResult CallOn(LimberContext* context, const char* function, LimberRigId id,
+                    const Body& body) {
+  return Call(context, function, [&]() -> CallStatus {
+    RigEntry* rig = context->rigs.Find({id.index, id.generation});
+    return rig == nullptr ? StaleId("rig", id.index, id.generation) : body(rig);
+  });
+}
 
-CallStatus NullArgument(const char* name);
+template <class Body>
+LimberResult CallOn(LimberContext* context, const char* function, LimberInstanceId id,
+                    const Body& body) {
+  return Call(context, function, [&]() -> CallStatus {
+    Instance* instance = context->instances.Find({id.index, id.generation});
+    return instance == nullptr ? StaleId("instance", id.index, id.generation) : body(instance);
+  });
+}
 
 }  // namespace limber::capi

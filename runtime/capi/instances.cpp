@@ -86,18 +86,6 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
                                              "; the rig has " + std::to_string(expected)};
 }
 
-// An entry point that is about one instance: body is a CallStatus(Instance*).
-template <class Body>
-LimberResult CallInstance(LimberContext* context, const char* function, LimberInstanceId id,
-                          const Body& body) {
-  return Call(context, function, [&]() -> CallStatus {
-    CallStatus status;
-    Instance* instance = FindInstance(*context, id, &status);
-    if (instance == nullptr) return status;
-    return body(instance);
-  });
-}
-
 }  // namespace
 }  // namespace limber::capi
 
@@ -136,10 +124,7 @@ LimberSkinDef limberDefaultSkinDef(void) {
 
 LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
                                   const LimberInstanceDef* def, LimberInstanceId* instance) {
-  return Call(context, "limberCreateInstance", [&]() -> CallStatus {
-    CallStatus status;
-    RigEntry* entry = FindRig(*context, rig, &status);
-    if (entry == nullptr) return status;
+  return CallOn(context, "limberCreateInstance", rig, [&](RigEntry* entry) -> CallStatus {
     if (instance == nullptr) return NullArgument("instance");
     LimberInstanceDef full = limberDefaultInstanceDef();
     LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberInstanceDef", &full));
@@ -154,7 +139,7 @@ LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
 }
 
 LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId instance) {
-  return CallInstance(context, "limberDestroyInstance", instance, [&](Instance*) -> CallStatus {
+  return CallOn(context, "limberDestroyInstance", instance, [&](Instance*) -> CallStatus {
     context->instances.Remove({instance.index, instance.generation});
     return {};
   });
@@ -162,7 +147,7 @@ LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId inst
 
 LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance, int32_t handle,
                              const float position[3]) {
-  return CallInstance(context, "limberSetTarget", instance, [&](Instance* of) -> CallStatus {
+  return CallOn(context, "limberSetTarget", instance, [&](Instance* of) -> CallStatus {
     if (position == nullptr) return NullArgument("position");
     return of->state.SetTarget(handle, {position[0], position[1], position[2]});
   });
@@ -170,21 +155,20 @@ LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance, 
 
 LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
                                      int32_t handle, const float rotation[4]) {
-  return CallInstance(
-      context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
-        if (rotation == nullptr) return NullArgument("rotation");
-        return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]});
-      });
+  return CallOn(context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
+    if (rotation == nullptr) return NullArgument("rotation");
+    return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]});
+  });
 }
 
 LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
                                        int32_t handle) {
-  return CallInstance(context, "limberClearTargetRotation", instance,
-                      [&](Instance* of) -> CallStatus { return of->state.ClearRotation(handle); });
+  return CallOn(context, "limberClearTargetRotation", instance,
+                [&](Instance* of) -> CallStatus { return of->state.ClearRotation(handle); });
 }
 
 LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance) {
-  return CallInstance(context, "limberResetToRest", instance, [&](Instance* of) -> CallStatus {
+  return CallOn(context, "limberResetToRest", instance, [&](Instance* of) -> CallStatus {
     of->state.ResetToRest();
     return {};
   });
@@ -192,7 +176,7 @@ LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance
 
 LimberResult limberSolve(LimberContext* context, LimberInstanceId instance,
                          const LimberSolveDef* def, LimberSolveReport* report) {
-  return CallInstance(context, "limberSolve", instance, [&](Instance* of) -> CallStatus {
+  return CallOn(context, "limberSolve", instance, [&](Instance* of) -> CallStatus {
     LimberSolveDef full = limberDefaultSolveDef();
     LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSolveDef", &full));
     PoseReport solved;
@@ -207,7 +191,7 @@ LimberResult limberSolve(LimberContext* context, LimberInstanceId instance,
 
 LimberResult limberGetBlendWeights(LimberContext* context, LimberInstanceId instance,
                                    double* weights, size_t count) {
-  return CallInstance(context, "limberGetBlendWeights", instance, [&](Instance* of) -> CallStatus {
+  return CallOn(context, "limberGetBlendWeights", instance, [&](Instance* of) -> CallStatus {
     if (weights == nullptr) return NullArgument("weights");
     const std::span<const double> from = of->state.blend_weights();
     if (count != from.size()) {
@@ -222,7 +206,7 @@ LimberResult limberGetBlendWeights(LimberContext* context, LimberInstanceId inst
 
 LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                         const LimberSkinDef* def) {
-  return CallInstance(context, "limberSkin", instance, [&](Instance* of) -> CallStatus {
+  return CallOn(context, "limberSkin", instance, [&](Instance* of) -> CallStatus {
     if (def == nullptr) return NullArgument("def");
     LimberSkinDef full = limberDefaultSkinDef();
     LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSkinDef", &full));

@@ -78,19 +78,14 @@ LimberResult limberLoadRigFromMemory(LimberContext* context, const void* bytes, 
 }
 
 LimberResult limberDestroyRig(LimberContext* context, LimberRigId rig) {
-  return Call(context, "limberDestroyRig", [&]() -> CallStatus {
-    CallStatus status;
-    if (FindRig(*context, rig, &status) != nullptr)
-      context->rigs.Remove({rig.index, rig.generation});
-    return status;
+  return CallOn(context, "limberDestroyRig", rig, [&](const RigEntry*) -> CallStatus {
+    context->rigs.Remove({rig.index, rig.generation});
+    return {};
   });
 }
 
 LimberResult limberGetRigInfo(LimberContext* context, LimberRigId rig, LimberRigInfo* info) {
-  return Call(context, "limberGetRigInfo", [&]() -> CallStatus {
-    CallStatus status;
-    const RigEntry* entry = FindRig(*context, rig, &status);
-    if (entry == nullptr) return status;
+  return CallOn(context, "limberGetRigInfo", rig, [&](const RigEntry* entry) -> CallStatus {
     if (info == nullptr) return NullArgument("info");
     const Rig& from = *entry->rig;
     const SkinMesh& mesh = from.mesh();
@@ -109,10 +104,7 @@ LimberResult limberGetRigInfo(LimberContext* context, LimberRigId rig, LimberRig
 
 LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig, int32_t handle,
                                  LimberHandleInfo* info) {
-  return Call(context, "limberGetHandleInfo", [&]() -> CallStatus {
-    CallStatus status;
-    const RigEntry* entry = FindRig(*context, rig, &status);
-    if (entry == nullptr) return status;
+  return CallOn(context, "limberGetHandleInfo", rig, [&](const RigEntry* entry) -> CallStatus {
     if (info == nullptr) return NullArgument("info");
     LIMBER_RETURN_IF_FAILED(CheckHandle(*entry->rig, handle));
     const RigHandle& from = entry->rig->tables().handles[static_cast<size_t>(handle)];
@@ -125,10 +117,7 @@ LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig, int32_
 
 LimberResult limberFindHandle(LimberContext* context, LimberRigId rig, const char* name,
                               int32_t* handle) {
-  return Call(context, "limberFindHandle", [&]() -> CallStatus {
-    CallStatus status;
-    const RigEntry* entry = FindRig(*context, rig, &status);
-    if (entry == nullptr) return status;
+  return CallOn(context, "limberFindHandle", rig, [&](const RigEntry* entry) -> CallStatus {
     if (name == nullptr) return NullArgument("name");
     if (handle == nullptr) return NullArgument("handle");
     const int found = entry->rig->FindHandle(name);

@@ -2,12 +2,7 @@
 #pragma once
 
 #include "linear/panel_kernels/panel_kernels.h"
-
-#if defined(__FMA__) || defined(__AVX512F__)
-#include <immintrin.h>
-#elif defined(__ARM_NEON) && defined(__aarch64__)
-#include <arm_neon.h>
-#endif
+#include "solve/kernels/lanes.h"
 
 namespace limber::linear::LIMBER_KERNEL_NAMESPACE {
 
@@ -18,14 +13,15 @@ namespace limber::linear::LIMBER_KERNEL_NAMESPACE {
 #define LIMBER_UNROLL _Pragma("GCC unroll 8")
 #endif
 
-#if defined(__AVX512F__)
-constexpr int kRegisterWidth = 8;
-#elif defined(__AVX__)
-constexpr int kRegisterWidth = 4;
-#else
-constexpr int kRegisterWidth = 2;
-#endif
-constexpr int kRegisters = kBlockRows / kRegisterWidth;
+// Registers and their arithmetic are the solver's.
+using ::limber::LIMBER_KERNEL_NAMESPACE::kWidth;
+using ::limber::LIMBER_KERNEL_NAMESPACE::Load;
+using ::limber::LIMBER_KERNEL_NAMESPACE::MulSub;
+using ::limber::LIMBER_KERNEL_NAMESPACE::Splat;
+using ::limber::LIMBER_KERNEL_NAMESPACE::Store;
+using Register = ::limber::LIMBER_KERNEL_NAMESPACE::Lanes;
+
+constexpr int kRegisters = kBlockRows / static_cast<int>(kWidth);
 constexpr ptrdiff_t kColumnStep = kBlockRows;  // doubles from one column of a block to the next
 
 // A tile's sums stay in registers while the products run through: 16 of AVX-512's 32, 8 of 16.
@@ -36,8 +32,6 @@ constexpr int kTileBlocks = 1, kTileColumns = 4;
 #else
 constexpr int kTileBlocks = 1, kTileColumns = 2;
 #endif
-
-using Register = double __attribute__((vector_size(8 * kRegisterWidth)));
 
 struct Block {
   Register part[kRegisters];
@@ -54,36 +48,13 @@ LIMBER_INLINE Block Zero() {
 LIMBER_INLINE Block LoadBlock(const double* from) {
   Block block;
   for (int i = 0; i < kRegisters; ++i)
-    __builtin_memcpy(&block.part[i], from + ptrdiff_t{i} * kRegisterWidth, sizeof(Register));
+    block.part[i] = Load(from + static_cast<size_t>(i) * kWidth);
   return block;
 }
 
 LIMBER_INLINE void StoreBlock(const Block& block, double* to) {
   for (int i = 0; i < kRegisters; ++i)
-    __builtin_memcpy(to + ptrdiff_t{i} * kRegisterWidth, &block.part[i], sizeof(Register));
-}
-
-LIMBER_INLINE Register Broadcast(double number) {
-#if defined(__AVX512F__)
-  return _mm512_set1_pd(number);
-#elif defined(__AVX__)
-  return _mm256_set1_pd(number);
-#else
-  return Register{number, number};
-#endif
-}
-
-// c - a b, rounded once where the machine can.
-LIMBER_INLINE Register MulSub(Register a, Register b, Register c) {
-#if defined(__AVX512F__)
-  return _mm512_fnmadd_pd(a, b, c);
-#elif defined(__FMA__)
-  return _mm256_fnmadd_pd(a, b, c);
-#elif defined(__ARM_NEON) && defined(__aarch64__)
-  return vfmsq_f64(c, a, b);
-#else
-  return c - a * b;
-#endif
+    Store(block.part[i], to + static_cast<size_t>(i) * kWidth);
 }
 
 LIMBER_INLINE Block MulSub(const Block& a, const Block& b, Block c) {
@@ -93,7 +64,7 @@ LIMBER_INLINE Block MulSub(const Block& a, const Block& b, Block c) {
 }
 
 LIMBER_INLINE Block MulSub(const Block& a, double b, Block c) {
-  const Register number = Broadcast(b);
+  const Register number = Splat(b);
   for (int i = 0; i < kRegisters; ++i)
     c.part[i] = MulSub(a.part[i], number, c.part[i]);
   return c;
@@ -127,7 +98,7 @@ LIMBER_INLINE Block Difference(Block a, const Block& b) {
 }
 
 LIMBER_INLINE Block Product(Block a, double b) {
-  const Register number = Broadcast(b);
+  const Register number = Splat(b);
   for (int i = 0; i < kRegisters; ++i)
     a.part[i] *= number;
   return a;
@@ -162,7 +133,7 @@ LIMBER_INLINE void SubtractProductsOf(const Panel& a, ptrdiff_t block, const Pan
     Register number[kColumns];
     LIMBER_UNROLL
     for (int c = 0; c < kColumns; ++c)
-      number[c] = Broadcast(rows[c][k]);
+      number[c] = Splat(rows[c][k]);
     LIMBER_UNROLL
     for (int b = 0; b < kBlocks; ++b) {
       const Block column = LoadBlock(blocks + b * block_step + k);

@@ -77,6 +77,19 @@ static inline __attribute__((always_inline)) Lanes MulAdd(Lanes a, Lanes b, Lane
 #endif
 }
 
+// c - a b, likewise.
+static inline __attribute__((always_inline)) Lanes MulSub(Lanes a, Lanes b, Lanes c) {
+#if defined(__AVX512F__)
+  return _mm512_fnmadd_pd(a, b, c);
+#elif defined(__FMA__)
+  return _mm256_fnmadd_pd(a, b, c);
+#elif defined(__ARM_NEON) && defined(__aarch64__)
+  return vfmsq_f64(c, a, b);
+#else
+  return c - a * b;
+#endif
+}
+
 static inline __attribute__((always_inline)) Lanes Abs(Lanes a) {
   return a < 0 ? -a : a;
 }
