@@ -5,6 +5,7 @@
 #include "bake/group_repair.h"
 #include "bake/handle_reach.h"
 #include "bake/heat_weights.h"
+#include "bake/pack_tables.h"
 #include "bake/reduce.h"
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
@@ -183,9 +184,12 @@ class BakeRun {
     LIMBER_RETURN_IF_ERROR(Begin("tensors", 0.7, 1));
     const ReduceInput input{&mesh_,      &weights_,        &edges_,
                             num_groups_, handle_vertices_, options_.num_threads};
-    LIMBER_RETURN_IF_ERROR(Reduce(input, clock_.Inner(), &tables()));
+    LIMBER_RETURN_IF_ERROR(Reduce(input, clock_.Inner(), &tables(), &baked_.local_factors));
     FillSkinMesh(raw_, mesh_, weights_, tables().space, &baked_.mesh);
-    baked_.cost = EstimateCost(tables(), mesh_.num_vertices(), raw_.num_draw_vertices());
+    const auto packed = PackRigTables(tables(), baked_.local_factors);
+    if (!packed.ok()) return packed.status().WithContext(raw_.name);
+    baked_.cost =
+        EstimateCost(tables(), NumBytes(*packed), mesh_.num_vertices(), raw_.num_draw_vertices());
     clock_.End();
     return std::move(baked_);
   }

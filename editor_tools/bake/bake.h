@@ -9,6 +9,7 @@
 #include "bake/skinning_weights.h"
 #include "core/status.h"
 #include "import/raw_character.h"
+#include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 
@@ -40,6 +41,7 @@ struct BakeTiming {
 
 struct BakedCharacter {
   RigTables tables;
+  LocalGroupFactors local_factors;  // two of the tables as the file has them; may be empty
   SkinMesh mesh;
   std::vector<double> handle_stiffness;  // [H], for the handles' nodes
   std::vector<int> vertex_groups;        // [V] edge group of each solve vertex, for tools

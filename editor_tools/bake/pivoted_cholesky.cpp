@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace limber::bake {
 
@@ -11,6 +12,7 @@ Eigen::MatrixXd PivotedCholesky(Eigen::MatrixXd matrix, double cut) {
   const double threshold = size > 0 ? cut * std::max(remaining.maxCoeff(), 0.0) : 0;
   // Column j of `factor` is row j of F: contiguous, and the update below is one product.
   Eigen::MatrixXd factor(size, size);
+  std::vector<Eigen::Index> pivots;
   Eigen::Index rank = 0;
   for (; rank < size; ++rank) {
     Eigen::Index pivot = 0;
@@ -20,6 +22,9 @@ Eigen::MatrixXd PivotedCholesky(Eigen::MatrixXd matrix, double cut) {
     column = matrix.col(pivot);
     column.noalias() -= factor.leftCols(rank) * factor.row(pivot).head(rank).transpose();
     column /= std::sqrt(largest);
+    for (const Eigen::Index earlier : pivots)
+      column[earlier] = 0;  // but for rounding
+    pivots.push_back(pivot);
     remaining -= column.cwiseAbs2();
     remaining[pivot] = 0;
   }

@@ -5,6 +5,10 @@
 #include "bake/pivoted_cholesky.h"
 #include "bake/single_shape_models.h"
 
+#include <Eigen/QR>
+
+#include <vector>
+
 namespace limber::bake {
 namespace {
 
@@ -68,7 +72,33 @@ Eigen::MatrixXd FoldAxes(const Eigen::MatrixXd& gram, Eigen::Index k) {
   return folded;
 }
 
-void StoreModes(const ReduceInput& input, const ModeBasis& basis, RigTables* tables) {
+// The modes may be turned among each other at will. Turned so that each example edge in its turn,
+// the longest that is left first, needs no more than one further mode, most of K_z is zero or small
+// and takes no room in the file. Modes with transforms beyond a thousand are left as they are,
+// after the others: examples nearly coincide there, and single precision has no digits to spare for
+// what they would bring into the rest. transforms: Phi_1, n x r. Turns *mode_edges; returns the
+// orthogonal matrix, r x r.
+Eigen::MatrixXd ConcentrateModes(const Eigen::MatrixXd& transforms, Eigen::MatrixXd* mode_edges) {
+  constexpr double kLargest = 1000;
+  std::vector<Eigen::Index> turned, left;
+  for (Eigen::Index mode = 0; mode < transforms.cols(); ++mode)
+    (transforms.col(mode).cwiseAbs().maxCoeff() <= kLargest ? turned : left).push_back(mode);
+  const auto num_turned = static_cast<Eigen::Index>(turned.size());
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(transforms.cols(), transforms.cols());
+  if (num_turned > 0) {
+    const Eigen::MatrixXd edges = (*mode_edges)(Eigen::all, turned);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(edges.transpose());
+    turn(turned, Eigen::seqN(0, num_turned)) = Eigen::MatrixXd(qr.householderQ());
+  }
+  for (size_t i = 0; i < left.size(); ++i)
+    turn(left[i], num_turned + static_cast<Eigen::Index>(i)) = 1;
+  *mode_edges *= turn;
+  return turn;
+}
+
+// `turn`: of the modes among each other.
+void StoreModes(const ReduceInput& input, const ModeBasis& basis, const Eigen::MatrixXd& turn,
+                RigTables* tables) {
   const Eigen::Index n = basis.transforms.rows();
   const Eigen::Index affine_rows = tables->dimension + 1;
   tables->num_modes = static_cast<int32_t>(basis.transforms.cols());
@@ -77,19 +107,20 @@ void StoreModes(const ReduceInput& input, const ModeBasis& basis, RigTables* tab
   for (Eigen::Index row = affine_rows - 1; row < n; row += affine_rows) {
     transforms(row, 0) = 1.0 / static_cast<double>(input.mesh->shapes.size());
   }
-  transforms.rightCols(basis.transforms.cols()) = basis.transforms;
+  transforms.rightCols(basis.transforms.cols()) = basis.transforms * turn;
   tables->mode_transforms.clear();
   StoreRows(transforms, &tables->mode_transforms);
   tables->handle_modes.clear();
   for (int vertex : input.handle_vertices) {
     tables->handle_modes.push_back(1);
-    StoreRows(basis.shapes.row(vertex), &tables->handle_modes);
+    StoreRows(basis.shapes.row(vertex) * turn, &tables->handle_modes);
   }
 }
 
 }  // namespace
 
-Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables) {
+Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables,
+              LocalGroupFactors* local) {
   const auto cancelled = [&progress](const char* stage, double fraction) {
     return progress && !progress(stage, fraction);
   };
@@ -103,7 +134,6 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
       SkinningMatrix(*input.weights, shapes.data(), static_cast<int>(shapes.size())), laplacian,
       input.num_threads);
   if (!basis.ok()) return basis.status();
-  StoreModes(input, *basis, tables);
   if (cancelled("tensors", 0.5)) return Error(StatusCode::kInvalidArgument, "cancelled");
 
   // Edges of the examples as the modes reach them: a millionth off in length, which on a fine mesh
@@ -116,7 +146,8 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   }
   const std::vector<GroupTensors> reached_groups =
       BuildGroupTensors(reached, *input.edges, input.num_groups);
-  const Eigen::MatrixXd mode_edges = ModeEdges(reached_groups, *basis);
+  Eigen::MatrixXd mode_edges = ModeEdges(reached_groups, *basis);
+  StoreModes(input, *basis, ConcentrateModes(basis->transforms, &mode_edges), tables);
   tables->mode_edges.clear();
   StoreRows(mode_edges, &tables->mode_edges);
   Eigen::MatrixXd gram = ResidualGram(reached_groups, mode_edges);
@@ -131,7 +162,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
       BuildGroupTensors(shapes, *input.edges, input.num_groups);
   const SingleShapeInput single{&shapes,    input.weights,          &groups,
                                 &laplacian, &input.handle_vertices, input.num_threads};
-  return BuildSingleShapeModels(single, tables);
+  return BuildSingleShapeModels(single, tables, local);
 }
 
 }  // namespace limber::bake

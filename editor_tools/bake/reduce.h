@@ -4,6 +4,7 @@
 
 #include "bake/bake.h"
 #include "geometry/solve_mesh.h"
+#include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 
 #include <Eigen/Core>
@@ -21,8 +22,10 @@ struct ReduceInput {
   int num_threads = 0;  // 0: one per core; the bits are the same for any number
 };
 
-// Fills the counts and all float tables of *tables but handle_reach; handles and shape_names must
-// be filled before. tables->dimension and space are taken as given (see FitRigSpace).
-Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables);
+// Fills the counts and all float tables of *tables but handle_reach, and *local, which holds two of
+// them as the file does; handles and shape_names must be filled before. tables->dimension and space
+// are taken as given (see FitRigSpace).
+Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTables* tables,
+              LocalGroupFactors* local);
 
 }  // namespace limber::bake

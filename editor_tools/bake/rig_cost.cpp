@@ -74,7 +74,18 @@ uint64_t CharacterBytes(const RigSize& size, const RigTables& tables) {
   return static_cast<uint64_t>(blocks * (6800 + 7.4 * rows));
 }
 
-RigCost Estimate(const RigSize& size, const RigTables& tables) {
+// No more than what pack_tables.h makes of tables of that size: the residual is a trapezoid, and
+// what follows from the groups' own factors is not there.
+uint64_t MostTableBytes(const RigTables& tables) {
+  const auto rank = static_cast<uint64_t>(tables.residual_rank);
+  const uint64_t left_out =
+      static_cast<uint64_t>(tables.num_groups) * static_cast<uint64_t>(tables.num_shapes()) *
+          static_cast<uint64_t>(tables.dimension) * static_cast<uint64_t>(tables.num_single_modes) +
+      rank * (rank - std::min<uint64_t>(rank, 1)) / 2;
+  return (NumTableFloats(tables) - left_out) * sizeof(float);
+}
+
+RigCost Estimate(const RigSize& size, const RigTables& tables, uint64_t table_bytes) {
   RigCost cost;
   const auto vertices = static_cast<uint64_t>(size.num_vertices);
   const auto draw_vertices = static_cast<uint64_t>(size.num_draw_vertices);
@@ -82,8 +93,7 @@ RigCost Estimate(const RigSize& size, const RigTables& tables) {
   const uint64_t attribute_floats =
       (handles + kAttributeFloats - 1) / kAttributeFloats * kAttributeFloats;
   // Of each draw vertex the weights, the weld and the edge group.
-  cost.file_bytes =
-      (NumTableFloats(tables) + draw_vertices * (attribute_floats + 2)) * sizeof(float);
+  cost.file_bytes = table_bytes + draw_vertices * (attribute_floats + 2) * sizeof(float);
   cost.model_bytes = NumTableFloats(tables) * sizeof(float) + ModelBytes(tables);
   cost.mesh_bytes =
       vertices * (handles + 3 * static_cast<uint64_t>(size.num_shapes)) * sizeof(float);
@@ -100,11 +110,13 @@ RigSize SizeOf(const RigTables& tables, int64_t num_vertices, int64_t num_draw_v
 }
 
 RigCost EstimateCost(const RigSize& size) {
-  return Estimate(size, LargestTables(size));
+  const RigTables tables = LargestTables(size);
+  return Estimate(size, tables, MostTableBytes(tables));
 }
 
-RigCost EstimateCost(const RigTables& tables, int64_t num_vertices, int64_t num_draw_vertices) {
-  return Estimate(SizeOf(tables, num_vertices, num_draw_vertices), tables);
+RigCost EstimateCost(const RigTables& tables, uint64_t table_bytes, int64_t num_vertices,
+                     int64_t num_draw_vertices) {
+  return Estimate(SizeOf(tables, num_vertices, num_draw_vertices), tables, table_bytes);
 }
 
 Status CheckRigSize(const RigSize& size) {

@@ -30,11 +30,13 @@ struct RigCost {
 RigSize SizeOf(const RigTables& tables, int64_t num_vertices, int64_t num_draw_vertices);
 
 // Before the bake num_modes, r, is not known: the bytes are then upper bounds, reached where
-// nothing in the examples is linearly dependent. With tables, `file_bytes` is what they hold.
-// alternation_seconds and character_bytes are fits to measurements (tests/benchmarks/README.md): a
-// desktop core of 2023 that has its caches to itself, to a factor of two.
+// nothing in the examples is linearly dependent and nothing is small. With tables, table_bytes is
+// what they take in the file (pack_tables.h). alternation_seconds and character_bytes are fits to
+// measurements (tests/benchmarks/README.md): a desktop core of 2023 that has its caches to itself,
+// to a factor of two.
 RigCost EstimateCost(const RigSize& size);
-RigCost EstimateCost(const RigTables& tables, int64_t num_vertices, int64_t num_draw_vertices);
+RigCost EstimateCost(const RigTables& tables, uint64_t table_bytes, int64_t num_vertices,
+                     int64_t num_draw_vertices);
 
 // kLimitExceeded, in one line that says what to reduce and to how many, where the solver would
 // refuse the rig.

@@ -6,6 +6,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include <algorithm>
+
 namespace limber::bake {
 namespace {
 
@@ -29,27 +31,47 @@ void AppendPacked(const Eigen::MatrixXd& upper, std::vector<float>* packed) {
 
 // What one shape adds to the tables, of the same names there.
 struct SingleShapeTables {
-  std::vector<float> handle_modes, edges, group_factors, mode_transforms;
+  std::vector<float> handle_modes, mode_transforms, local_factors;
   Status status;
 };
 
-// Appends what group g contributes to the model of shape s with the mode fields `modes` (V x r1).
-void AppendGroup(const GroupTensors& group, const Eigen::MatrixXd& modes, Eigen::Index s,
-                 Eigen::Index k, SingleShapeTables* tables) {
-  const Eigen::MatrixXd local = group.Rows(modes);
-  const Eigen::Index r1 = modes.cols();
-  const Eigen::MatrixXd edges = group.edge_load.middleCols(s * k, k).transpose() * local;  // k x r1
-  Eigen::MatrixXd gram(r1 + k, r1 + k);
-  gram.topLeftCorner(r1, r1) = local.transpose() * (group.laplacian * local);
-  gram.bottomLeftCorner(k, r1) = edges;
-  gram.topRightCorner(r1, k) = edges.transpose();
-  gram.bottomRightCorner(k, k) = group.shape_gram.block(s * k, s * k, k, k);
-  for (Eigen::Index axis = 0; axis < k; ++axis) {
-    for (Eigen::Index mode = 0; mode < r1; ++mode) {
-      tables->edges.push_back(static_cast<float>(edges(axis, mode)));
-    }
+// Which handles move edges of which groups: [G][H] of 0 and 1.
+std::vector<float> GroupHandles(const std::vector<GroupTensors>& groups,
+                                const Eigen::MatrixXd& weights) {
+  std::vector<float> flags;
+  for (const GroupTensors& group : groups) {
+    const Eigen::MatrixXd local = group.Rows(weights);
+    for (Eigen::Index h = 0; h < weights.cols(); ++h)
+      flags.push_back(local.col(h).cwiseAbs().maxCoeff() > 0 ? 1.0f : 0.0f);
   }
-  AppendPacked(UpperFactor(gram), &tables->group_factors);
+  return flags;
+}
+
+// The columns of `weights` that `flags` names.
+Eigen::MatrixXd LocalWeights(const Eigen::MatrixXd& weights, const float* flags) {
+  Eigen::MatrixXd local(weights.rows(), std::count(flags, flags + weights.cols(), 1.0f));
+  Eigen::Index column = 0;
+  for (Eigen::Index h = 0; h < weights.cols(); ++h) {
+    if (flags[h] == 1) local.col(column++) = weights.col(h);
+  }
+  return local;
+}
+
+// U of group g in the model of shape s, in the transforms of the handles that `flags` names.
+Eigen::MatrixXd LocalFactor(const SingleShapeInput& input, const GroupTensors& group, size_t s,
+                            const float* flags) {
+  const Eigen::MatrixXd& shape = (*input.shapes)[s];
+  const Eigen::Index k = shape.cols(), first = static_cast<Eigen::Index>(s) * k;
+  const Eigen::MatrixXd points = group.Rows(shape);
+  const Eigen::MatrixXd skinning =
+      SkinningMatrix(LocalWeights(group.Rows(*input.weights), flags), &points, 1);
+  const Eigen::Index n = skinning.cols();
+  Eigen::MatrixXd gram(n + k, n + k);
+  gram.topLeftCorner(n, n) = skinning.transpose() * (group.laplacian * skinning);
+  gram.bottomLeftCorner(k, n) = group.edge_load.middleCols(first, k).transpose() * skinning;
+  gram.topRightCorner(n, k) = gram.bottomLeftCorner(k, n).transpose();
+  gram.bottomRightCorner(k, k) = group.shape_gram.block(first, first, k, k);
+  return UpperFactor(gram);
 }
 
 // The transforms of shape s's modes, phi_0 first: H*(k+1) rows of 1 + r1.
@@ -65,14 +87,25 @@ void AppendTransforms(const Eigen::MatrixXd& transforms, Eigen::Index k, Eigen::
   }
 }
 
+// The modes may be turned among each other at will. So turned, most of their transforms are zero
+// and take no room in the file.
+void TurnToTriangle(ModeBasis* basis) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(basis->transforms.transpose());
+  const Eigen::MatrixXd turn = qr.householderQ();
+  basis->transforms *= turn;
+  basis->shapes *= turn;
+}
+
 // Of shape s, with r1 modes, of which the last stay zero where the shape has fewer.
-SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Index r1) {
+SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Index r1,
+                             const std::vector<float>& group_handles) {
   SingleShapeTables tables;
   const Eigen::Index k = input.shapes->front().cols();
   Result<ModeBasis> basis =
       ComputeModeBasis(SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian, 1);
   tables.status = basis.status();
   if (!basis.ok()) return tables;
+  TurnToTriangle(&*basis);
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
   modes.leftCols(basis->shapes.cols()) = basis->shapes;
   for (int vertex : *input.handle_vertices) {
@@ -82,8 +115,11 @@ SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Ind
     }
   }
   AppendTransforms(basis->transforms, k, r1, &tables.mode_transforms);
-  for (const GroupTensors& group : *input.groups)
-    AppendGroup(group, modes, static_cast<Eigen::Index>(s), k, &tables);
+  const float* flags = group_handles.data();
+  for (const GroupTensors& group : *input.groups) {
+    AppendPacked(LocalFactor(input, group, s, flags), &tables.local_factors);
+    flags += input.weights->cols();
+  }
   return tables;
 }
 
@@ -93,28 +129,28 @@ void Append(const std::vector<float>& numbers, std::vector<float>* table) {
 
 }  // namespace
 
-Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables) {
+Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables,
+                              LocalGroupFactors* local) {
   // All shapes get the same count, the largest that one could need; a flat shape's modes are fewer
   // and the rest stay zero, which adds nothing to any sum.
   const Eigen::Index r1 = input.weights->cols() * (input.shapes->front().cols() + 1) - 1;
+  local->group_handles = GroupHandles(*input.groups, *input.weights);
   std::vector<SingleShapeTables> shapes(input.shapes->size());
   threads::ParallelFor(static_cast<int>(shapes.size()), input.num_threads, [&](int s) {
     const auto shape = static_cast<size_t>(s);
-    shapes[shape] = BuildShape(input, shape, r1);
+    shapes[shape] = BuildShape(input, shape, r1, local->group_handles);
   });
   tables->num_single_modes = static_cast<int32_t>(r1);
   tables->single_handle_modes.clear();
-  tables->single_edges.clear();
-  tables->single_group_factors.clear();
   tables->single_mode_transforms.clear();
+  local->factors.clear();
   for (const SingleShapeTables& shape : shapes) {
     LIMBER_RETURN_IF_ERROR(shape.status);
     Append(shape.handle_modes, &tables->single_handle_modes);
-    Append(shape.edges, &tables->single_edges);
-    Append(shape.group_factors, &tables->single_group_factors);
     Append(shape.mode_transforms, &tables->single_mode_transforms);
+    Append(shape.local_factors, &local->factors);
   }
-  return {};
+  return ExpandLocalGroupFactors(*local, tables);
 }
 
 }  // namespace limber::bake

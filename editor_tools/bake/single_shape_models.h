@@ -3,6 +3,7 @@
 
 #include "bake/group_tensors.h"
 #include "core/status.h"
+#include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 
 #include <Eigen/Core>
@@ -20,8 +21,9 @@ struct SingleShapeInput {
   int num_threads = 0;                                     // 0: one per core
 };
 
-// Fills num_single_modes, single_handle_modes, single_edges, single_group_factors and
-// single_mode_transforms.
-Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables);
+// Fills *local, and of *tables num_single_modes, single_handle_modes, single_mode_transforms and
+// what follows from *local: single_edges and single_group_factors.
+Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables,
+                              LocalGroupFactors* local);
 
 }  // namespace limber::bake

@@ -1,6 +1,7 @@
 #include "bake/write_baked.h"
 
 #include "bake/handle_nodes.h"
+#include "bake/pack_tables.h"
 #include "gltf_edit/gltf_patch.h"
 #include "import/file_output.h"
 #include "load/gltf_mesh.h"
@@ -158,7 +159,8 @@ void AddAttributes(const BakedCharacter& baked, const SkinPrimitive& primitive, 
   }
 }
 
-RigJson DescribeRig(const BakedCharacter& baked, const GltfMorphMesh& mesh, GltfPatch* patch) {
+RigJson DescribeRig(const BakedCharacter& baked, const std::vector<PackedTable>& tables,
+                    const GltfMorphMesh& mesh, GltfPatch* patch) {
   RigJson rig;
   rig.num_vertices = mesh.num_vertices();
   rig.num_solve_vertices = baked.mesh.num_solve_vertices;
@@ -167,13 +169,11 @@ RigJson DescribeRig(const BakedCharacter& baked, const GltfMorphMesh& mesh, Gltf
   const int base = num_shapes - static_cast<int>(mesh.targets.size());  // 1 when it is a shape
   for (int s = 0; s < num_shapes; ++s)
     rig.shape_targets.push_back(s - base);
-  VisitRigTables(baked.tables, [&](const char* name, const std::vector<float>& table,
-                                   const std::vector<int64_t>& shape) {
-    if (table.empty()) return;
+  for (const PackedTable& table : tables) {
     const size_t accessor =
-        patch->AddFloats(std::string(kRigExtensionName) + "." + name, table, 1, false);
-    rig.table_accessors[name] = {static_cast<int>(accessor), shape};
-  });
+        patch->AddBytes(std::string(kRigExtensionName) + "." + table.name, table.bytes);
+    rig.table_accessors[table.name] = {static_cast<int>(accessor), table.shape, table.exponent};
+  }
   rig.tables = baked.tables;
   return rig;
 }
@@ -195,6 +195,8 @@ std::vector<double> StiffnessOfHandles(const BakedCharacter& baked) {
 
 Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const GltfMorphMesh& mesh,
                 GltfPatch* patch, size_t* rig_index) {
+  const auto tables = PackRigTables(baked.tables, baked.local_factors);
+  if (!tables.ok()) return tables.status();
   Json& root = patch->json();
   Result<Json*> extension = OpenExtension(&root);
   if (!extension.ok()) return extension.status();
@@ -208,7 +210,7 @@ Status PatchRig(const RawCharacter& raw, const BakedCharacter& baked, const Gltf
     AddAttributes(baked, primitive, patch,
                   &primitives[static_cast<size_t>(primitive.gltf_primitive)]["attributes"]);
   }
-  RigJson rig = DescribeRig(baked, mesh, patch);
+  RigJson rig = DescribeRig(baked, *tables, mesh, patch);
   PlaceHandleNodes(old_rig, raw.node, StiffnessOfHandles(baked), &rig.tables.handles, &root);
   Json entry = WriteRigJson(raw.name, rig);
   if (replaces) {

@@ -92,7 +92,7 @@ Result<bake::BakedCharacter> BakeQuickly(const RawCharacter& raw,
   input.mesh = &mesh;
   input.weights = &weights;
   input.edges = &edges;
-  LIMBER_RETURN_IF_ERROR(bake::Reduce(input, progress, &tables));
+  LIMBER_RETURN_IF_ERROR(bake::Reduce(input, progress, &tables, &baked.local_factors));
   baked.mesh = MakeSkinMesh(raw, mesh, weights, tables.space);
   return baked;
 }

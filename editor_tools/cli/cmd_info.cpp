@@ -3,6 +3,7 @@
 #include "cli/command.h"
 #include "cli/cost_text.h"
 #include "import/import_gltf.h"
+#include "load/gltf_accessor.h"
 #include "load/gltf_file.h"
 #include "load/rig_loader.h"
 #include "rig/rig_fields.h"
@@ -120,12 +121,25 @@ Json ExamplePositions(const Rig& rig, uint32_t vertex) {
   return positions;
 }
 
-bake::RigCost CostOf(const Rig& rig) {
-  return bake::EstimateCost(rig.tables(), rig.mesh().num_solve_vertices,
-                            rig.mesh().num_draw_vertices);
+// What the rig's tables take in the file, packed or not.
+uint64_t TableBytesInFile(const GltfFile& file, const Json& rig) {
+  constexpr uint64_t kFloatBytes = 4;
+  uint64_t bytes = 0;
+  for (const Json& table : rig["tables"]) {
+    const auto count = static_cast<uint64_t>(AccessorCount(file, table["accessor"].get<int>()));
+    bytes += count * (table.contains("exponent") ? 1 : kFloatBytes);
+  }
+  return bytes;
 }
 
-Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
+bake::RigCost CostOf(const GltfFile& file, const Rig& rig, int rig_index) {
+  const Json& json =
+      file.json()["extensions"][kRigExtensionName]["rigs"][static_cast<size_t>(rig_index)];
+  return bake::EstimateCost(rig.tables(), TableBytesInFile(file, json),
+                            rig.mesh().num_solve_vertices, rig.mesh().num_draw_vertices);
+}
+
+Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index, const bake::RigCost& cost) {
   const RigTables& tables = rig.tables();
   const SkinMesh& mesh = rig.mesh();
   const Json& extension = file.json()["extensions"][kRigExtensionName];
@@ -159,7 +173,7 @@ Json BakedJson(const GltfFile& file, const Rig& rig, int rig_index) {
           {"rotations", tables.has_rotations},
           {"model_bytes", ModelBytes(tables)},
           {"mesh_bytes", MeshBytes(mesh)},
-          {"cost", CostJson(CostOf(rig))}};
+          {"cost", CostJson(cost)}};
 }
 
 void PrintSource(const Json& info, const Console& console) {
@@ -230,8 +244,8 @@ ExitCode InfoOfBaked(const GltfFile& file, int num_rigs, const Console& console)
     load_options.rig_index = i;
     const auto rig = LoadRig(file, load_options);
     if (!rig.ok()) return console.Fail(rig.status());
-    infos.push_back(BakedJson(file, **rig, i));
-    costs.push_back(CostOf(**rig));
+    costs.push_back(CostOf(file, **rig, i));
+    infos.push_back(BakedJson(file, **rig, i, costs.back()));
   }
   for (size_t i = 0; i < costs.size(); ++i)
     PrintBaked(infos[i], costs[i], console);

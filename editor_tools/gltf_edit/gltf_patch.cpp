@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kArrayBuffer = 34962;  // GL's number for vertex data
-constexpr int kFloat = 5126;
+constexpr int kUnsignedByte = 5121, kFloat = 5126;
 constexpr size_t kNoSize = 0;
 
 size_t Size(const Json& json, const char* section) {
@@ -271,6 +271,14 @@ size_t GltfPatch::AddFloats(const std::string& name, std::span<const float> numb
                       {"componentType", kFloat},
                       {"count", numbers.size() / static_cast<size_t>(components)},
                       {"type", components == 4 ? "VEC4" : "SCALAR"}});
+}
+
+size_t GltfPatch::AddBytes(const std::string& name, std::span<const uint8_t> bytes) {
+  return AddAccessor({{"name", name},
+                      {"bufferView", AddBufferView(bytes, 0)},
+                      {"componentType", kUnsignedByte},
+                      {"count", bytes.size()},
+                      {"type", "SCALAR"}});
 }
 
 size_t GltfPatch::AddVectors(const std::string& name, std::span<const float> numbers,

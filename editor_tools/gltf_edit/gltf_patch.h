@@ -37,6 +37,10 @@ class GltfPatch {
   size_t AddFloats(const std::string& name, std::span<const float> numbers, int components,
                    bool vertex_attribute);
 
+  // Appends bytes as a SCALAR accessor of unsigned bytes that is no vertex attribute; returns its
+  // index.
+  size_t AddBytes(const std::string& name, std::span<const uint8_t> bytes);
+
   // Appends vectors, three numbers each, as a VEC3 accessor of vertex data; returns its index. For
   // POSITION glTF demands the least and the largest number of each axis: `with_bounds`.
   size_t AddVectors(const std::string& name, std::span<const float> numbers, bool with_bounds);

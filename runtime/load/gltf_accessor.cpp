@@ -251,6 +251,25 @@ Result<std::vector<uint32_t>> DecodeIndices(const GltfFile& file, const Accessor
   return indices;
 }
 
+Result<std::span<const uint8_t>> FindBytes(const GltfFile& file, const AccessorRequest& request) {
+  const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
+  if (!found.ok()) return found.status();
+  const tinygltf::Accessor& accessor = **found;
+  if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || accessor.bufferView < 0 ||
+      accessor.sparse.isSparse) {
+    return Error(StatusCode::kMalformed, "it is not made of unsigned bytes alone");
+  }
+  Result<ElementView> view =
+      ViewElements(file, accessor.bufferView, static_cast<int64_t>(accessor.byteOffset),
+                   static_cast<int64_t>(accessor.count), 1);
+  if (!view.ok()) return view.status();
+  if (view->stride != 1) {
+    return Error(StatusCode::kMalformed, "its bytes are %lld bytes apart",
+                 static_cast<long long>(view->stride));
+  }
+  return view->bytes;
+}
+
 }  // namespace
 
 int64_t AccessorCount(const GltfFile& file, int accessor) {
@@ -274,6 +293,12 @@ Result<std::vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRe
     if (!indices.ok()) return indices.status().WithContext(Place(request));
     return indices;
   });
+}
+
+Result<std::span<const uint8_t>> ViewBytes(const GltfFile& file, const AccessorRequest& request) {
+  Result<std::span<const uint8_t>> bytes = FindBytes(file, request);
+  if (!bytes.ok()) return bytes.status().WithContext(Place(request));
+  return bytes;
 }
 
 }  // namespace limber

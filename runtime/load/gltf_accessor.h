@@ -6,6 +6,7 @@
 #include "load/gltf_file.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,9 @@ Result<std::vector<float>> ReadFloats(const GltfFile& file, const AccessorReques
 // Unsigned integer scalars, each below `bound`. Errors as above.
 Result<std::vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
                                           uint32_t bound);
+
+// Unsigned bytes, as they stand in the file: of an accessor that is neither sparse nor implicit,
+// its elements one after the other. They live as long as `file`. Errors as above.
+Result<std::span<const uint8_t>> ViewBytes(const GltfFile& file, const AccessorRequest& request);
 
 }  // namespace limber

@@ -22,6 +22,7 @@ struct GltfLimits {
   uint64_t max_handles = 1024;
   uint64_t max_groups = 4096;
   uint64_t max_weights = 1ull << 28;         // vertices times handles
+  uint64_t max_table_numbers = 1ull << 28;   // of one table of a rig, unpacked
   uint64_t max_implicit_zeros = 1ull << 16;  // elements of an accessor that no bytes stand for
 };
 

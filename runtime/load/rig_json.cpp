@@ -3,6 +3,7 @@
 #include "core/out_of_memory.h"
 #include "core/printable.h"
 #include "load/json_text.h"
+#include "rig/packed_numbers.h"
 
 #include <nlohmann/json.hpp>
 
@@ -182,6 +183,10 @@ void ReadTables(ObjectReader* reader, RigJson* rig) {
       const Json& size = (*shape)[i];
       table.shape.push_back(size.is_number_unsigned() ? size.get<int64_t>() : -1);
     }
+    if (value.contains("exponent")) {
+      table.exponent =
+          static_cast<int>(entry.Integer("exponent", kLeastPackingExponent, kMostPackingExponent));
+    }
     reader->Absorb(entry);
     rig->table_accessors[name] = std::move(table);
   }
@@ -264,7 +269,8 @@ Json WriteRigJson(const std::string& name, const RigJson& rig) {
   }
   Json& tables = json["tables"] = Json::object();
   for (const auto& [table_name, table] : rig.table_accessors) {
-    tables[table_name] = {{"accessor", table.accessor}, {"shape", table.shape}};
+    Json& entry = tables[table_name] = {{"accessor", table.accessor}, {"shape", table.shape}};
+    if (table.exponent) entry["exponent"] = *table.exponent;
   }
   return json;
 }

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct RigJson {
   struct Table {
     int accessor = -1;
     std::vector<int64_t> shape;
+    std::optional<int> exponent;  // of packed numbers (packed_numbers.h); without: plain floats
   };
 
   std::map<std::string, Table> table_accessors;

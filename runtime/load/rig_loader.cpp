@@ -6,6 +6,7 @@
 #include "load/gltf_mesh.h"
 #include "load/json_text.h"
 #include "load/rig_json.h"
+#include "load/rig_table_reader.h"
 #include "rig/rest_frames.h"
 #include "rig/rig_fields.h"
 
@@ -60,34 +61,6 @@ Result<VersionedRig> FindRig(const GltfFile& file, int index) {
                  place.c_str(), index, rigs->size());
   }
   return VersionedRig{&(*rigs)[static_cast<size_t>(index)], version->get<int>()};
-}
-
-// Lets the numbers of each table follow the counts that the JSON declares.
-Status ReadTables(const GltfFile& file, int version, RigJson* rig) {
-  Status status;
-  VisitRigTables(rig->tables, [&](const char* name, std::vector<float>& table,
-                                  const std::vector<int64_t>& shape) {
-    if (!status.ok() || version < FirstVersionOfTable(name)) return;
-    int64_t count = 1;
-    for (const int64_t size : shape)
-      count *= size;
-    const std::string place = std::string("tables.") + name;
-    const auto it = rig->table_accessors.find(name);
-    if (it == rig->table_accessors.end()) {
-      if (count > 0) status = Status(StatusCode::kMalformed, place + ": it is missing");
-      return;
-    }
-    if (it->second.shape != shape) {
-      status = Status(StatusCode::kMalformed,
-                      place + ".shape: it does not follow from the rig's counts");
-      return;
-    }
-    AccessorRequest request{it->second.accessor, 1, place, count};
-    Result<std::vector<float>> numbers = ReadFloats(file, request);
-    if (numbers.ok()) table = std::move(*numbers);
-    status = numbers.status();
-  });
-  return status;
 }
 
 Status CheckMesh(const RigJson& rig, const GltfMorphMesh& mesh) {
@@ -243,7 +216,7 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
     return Status(mesh.status().code(), text.substr(text.rfind(name, 0) == 0 ? name.size() : 0));
   }
   LIMBER_RETURN_IF_ERROR(CheckMesh(*rig, *mesh));
-  LIMBER_RETURN_IF_ERROR(ReadTables(file, found->version, &*rig).WithContext(place));
+  LIMBER_RETURN_IF_ERROR(ReadRigTables(file, found->version, &*rig).WithContext(place));
   SkinMesh skin;
   skin.num_solve_vertices = rig->num_solve_vertices;
   skin.num_draw_vertices = mesh->num_vertices();

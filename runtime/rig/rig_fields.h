@@ -1,6 +1,7 @@
 // The one table of names and shapes that the reader and the writer of LIMBER_mesh_ik share.
 // To add a table to the format: add it to RigTables, add a line to VisitRigTables and one to
-// FirstVersionOfTable, raise kRigFormatVersion.
+// FirstVersionOfTable, raise kRigFormatVersion. Tables that stand for others in the file alone are
+// named here and read in load/rig_table_reader.cpp.
 #pragma once
 
 #include "rig/rig_tables.h"
@@ -12,7 +13,7 @@
 namespace limber {
 
 inline constexpr char kRigExtensionName[] = "LIMBER_mesh_ik";
-inline constexpr int kRigFormatVersion = 2;        // what is written
+inline constexpr int kRigFormatVersion = 3;        // what is written
 inline constexpr int kOldestRigFormatVersion = 1;  // what is still read
 // Per-vertex data travels as vertex attributes, so that tools that re-index a mesh carry it along.
 inline constexpr char kWeightsAttributePrefix[] = "_LIMBER_WEIGHTS_";  // + 0, 1, ...: VEC4 floats
@@ -20,6 +21,19 @@ inline constexpr char kWeldAttribute[] = "_LIMBER_WELD";  // SCALAR float: the s
 // SCALAR float, optional: the edge group, for tools; the runtime does not read it.
 inline constexpr char kGroupAttribute[] = "_LIMBER_GROUP";
 inline constexpr char kSourceAttribute[] = "_LIMBER_SOURCE";  // SCALAR float: written by `pack`
+
+// Since version 3, instead of singleEdges and singleGroupFactors (rig/local_group_factors.h):
+inline constexpr char kGroupHandlesTable[] = "groupHandles";  // [G][H]
+inline constexpr char kGroupFactorsTable[] = "groupFactors";  // [their number]
+// Since version 3, optional: the column of F that each column of the file's residualFactor holds.
+// In the order in which columns end, F is a trapezoid, and its zeros take no room.
+inline constexpr char kResidualColumnsTable[] = "residualColumns";
+
+// Since version 3, optional: the file's modeTransforms and singleModeTransforms have each column
+// divided by 2 to this power. A mode that hardly moves anything has transforms of a size of its
+// own.
+inline constexpr char kModeExponentsTable[] = "modeExponents";              // [1 + r]
+inline constexpr char kSingleModeExponentsTable[] = "singleModeExponents";  // [S][1 + r1]
 
 // The version of the format that brought a table; in older files it is absent, and then empty.
 inline int FirstVersionOfTable(std::string_view name) {

@@ -23,6 +23,16 @@ TEST(PivotedCholesky, LowRank_RankIsFoundAndTheFactorStillReproduces) {
   EXPECT_LT((factor.transpose() * factor - matrix).norm(), 1e-11 * matrix.norm());
 }
 
+// Each row has exact zeros where earlier rows had their pivots: the packing relies on it.
+TEST(PivotedCholesky, Rows_AreZeroAtEarlierPivots) {
+  srand(3);
+  const Eigen::MatrixXd root = Eigen::MatrixXd::Random(12, 18);
+  const Eigen::MatrixXd factor = PivotedCholesky(root.transpose() * root, 1e-12);
+  ASSERT_EQ(factor.rows(), 12);
+  for (Eigen::Index row = 0; row < factor.rows(); ++row)
+    EXPECT_EQ((factor.row(row).array() == 0).count(), row);
+}
+
 TEST(PivotedCholesky, Zero_HasRankZero) {
   EXPECT_EQ(PivotedCholesky(Eigen::MatrixXd::Zero(4, 4), 1e-12).rows(), 0);
 }

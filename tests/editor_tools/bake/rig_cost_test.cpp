@@ -2,6 +2,7 @@
 #include "bake/rig_cost.h"
 
 #include "bake/bake.h"
+#include "bake/pack_tables.h"
 #include "rig/rig_fields.h"
 #include "solve/pose_model.h"
 #include "support/test_meshes.h"
@@ -36,7 +37,9 @@ TEST(RigCost, AfterABake_SaysWhatItHolds) {
       options.rotations = rotations;
       BakedCharacter baked = Baked(raw, options);
       const size_t vertices = baked.mesh.num_draw_vertices;
-      EXPECT_EQ(baked.cost.file_bytes, TableBytes(baked.tables) + vertices * (4 + 2) * 4);
+      const auto packed = PackRigTables(baked.tables, baked.local_factors);
+      ASSERT_TRUE(packed.ok()) << packed.status().message();
+      EXPECT_EQ(baked.cost.file_bytes, NumBytes(*packed) + vertices * (4 + 2) * 4);
       EXPECT_EQ(baked.cost.mesh_bytes,
                 baked.mesh.weights.size() * 4 + baked.mesh.shape_positions.size() * 12);
 

@@ -156,7 +156,7 @@ TEST_F(LimberCommand, Info_KnowsSourceAndBake) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json baked = Json::parse(result.out);
   EXPECT_EQ(baked["baked"], true);
-  EXPECT_EQ(baked["version"], 2);
+  EXPECT_EQ(baked["version"], 3);
   EXPECT_EQ(baked["handles"][1]["name"], "right");
   EXPECT_EQ(baked["triangles"], plain["triangles"]);
   for (int s = 0; s < 3; ++s) {

@@ -86,7 +86,8 @@ TEST(Schema, BakedFile_ConformsAndDamageIsFound) {
   constexpr char kDocument[] = "glTF.LIMBER_mesh_ik.schema.json";
   Json extension = root["extensions"][kRigExtensionName];
   EXPECT_EQ(Findings(extension, kDocument), std::vector<std::string>());
-  EXPECT_EQ(extension["rigs"][0]["tables"].size(), 9u) << "every table of the schema is written";
+  EXPECT_EQ(extension["rigs"][0]["tables"].size(), 12u)
+      << "every table of the schema is written, but groupHandles and groupFactors";
   EXPECT_EQ(Findings(root["nodes"][0]["extensions"][kRigExtensionName],
                      "node.LIMBER_mesh_ik.schema.json"),
             std::vector<std::string>());
@@ -95,6 +96,24 @@ TEST(Schema, BakedFile_ConformsAndDamageIsFound) {
   extension["rigs"][0]["handles"][0]["vertex"] = -1;
   extension["rigs"][0]["shapes"][0]["weight"] = 1;
   EXPECT_EQ(Findings(extension, kDocument).size(), 4u);
+}
+
+// A real bake has the tables that stand for others.
+TEST(Schema, BakedCharacter_Conforms) {
+  const TemporaryFolder folder;
+  const fs::path source = LIMBER_SOURCE_DIR "/content/characters/square.glb";
+  const fs::path out = folder.path() / "out.glb";
+  const auto raw = bake::ImportGltf(source);
+  ASSERT_TRUE(raw.ok()) << raw.status().message();
+  const auto baked = bake::Bake(*raw, raw->marked_handles, {}, {});
+  ASSERT_TRUE(baked.ok()) << baked.status().message();
+  const Status status = bake::WriteBaked(source, *raw, *baked, out);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const Json extension = ReadGltfJson(out)["extensions"][kRigExtensionName];
+  EXPECT_EQ(Findings(extension, "glTF.LIMBER_mesh_ik.schema.json"), std::vector<std::string>());
+  const Json& tables = extension["rigs"][0]["tables"];
+  EXPECT_TRUE(tables.contains("groupFactors") && tables.contains("groupHandles"));
+  EXPECT_FALSE(tables.contains("singleEdges") || tables.contains("singleGroupFactors"));
 }
 
 }  // namespace
