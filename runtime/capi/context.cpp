@@ -86,9 +86,10 @@ LimberResult limberCreateContext(const LimberContextDef* def, LimberContext** co
         LIMBER_ERROR_VERSION_MISMATCH,
         "limberCreateContext: limber.h is of another major version than the library");
   }
-  auto* made = new (std::nothrow) LimberContext{full, {}, {}, {}, {}};
+  auto* made = new (std::nothrow) LimberContext{};
   if (made == nullptr)
     return CreateFailed(LIMBER_ERROR_OUT_OF_MEMORY, "limberCreateContext: out of memory");
+  made->def = full;
   *context = made;
   return LIMBER_SUCCESS;
 }

@@ -5,14 +5,17 @@
 
 #include "capi/call.h"
 #include "capi/slot_table.h"
+#include "capi/worker_pool.h"
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace limber::capi {
 
@@ -24,8 +27,13 @@ struct RigEntry {
 };
 
 struct Instance {
+  Instance(PoseState pose, std::optional<CpuSkinner> skin)
+      : state(std::move(pose)),
+        skinner(std::move(skin)) {}
+
   PoseState state;
   std::optional<CpuSkinner> skinner;
+  std::atomic<bool> in_crowd = false;  // a call about many is at it
 };
 
 }  // namespace limber::capi
@@ -36,12 +44,17 @@ struct LimberContext {
   limber::capi::SlotTable<limber::capi::Instance> instances;
   mutable std::mutex message_mutex;
   std::string message;  // of the last failure
+  std::once_flag workers_once;
+  std::optional<limber::capi::WorkerPool> workers;  // limber::capi::Workers
 };
 
 namespace limber::capi {
 
 CallStatus NullArgument(const char* name);
 CallStatus StaleId(const char* what, uint32_t index, uint32_t generation);
+
+// The context's own threads, made when they are first asked for (std::bad_alloc).
+WorkerPool& Workers(LimberContext* context);
 
 // Remembers a failure's message, tells the log, and returns the code. No lock is held in the log.
 LimberResult End(LimberContext* context, const char* function, const CallStatus& status);

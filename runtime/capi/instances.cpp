@@ -1,5 +1,6 @@
 // limber.h: instances.
 #include "capi/context.h"
+#include "capi/instance_calls.h"
 #include "solve/pose_model.h"
 
 #include <algorithm>
@@ -27,6 +28,7 @@ CallStatus Create(const LimberInstanceDef& def, RigEntry* entry,
   auto model = ModelOf(entry);
   if (!model.ok()) return model.status();
   PoseRoom room;
+  room.grabs = def.max_grabs;
   room.rotations = def.max_rotations;
   room.guaranteed = def.guaranteed != 0;
   auto state = PoseState::Create(std::move(model).value(), room);
@@ -37,7 +39,7 @@ CallStatus Create(const LimberInstanceDef& def, RigEntry* entry,
     if (!made.ok()) return made.status();
     skinner = std::move(made).value();
   }
-  *instance = std::make_unique<Instance>(Instance{std::move(state).value(), std::move(skinner)});
+  *instance = std::make_unique<Instance>(std::move(state).value(), std::move(skinner));
   return {};
 }
 
@@ -87,6 +89,33 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
 }
 
 }  // namespace
+
+CallStatus SolveInstance(const LimberSolveDef& def, Instance* instance, LimberSolveReport* report) {
+  PoseReport solved;
+  LIMBER_RETURN_IF_FAILED(instance->state.Solve(OptionsOf(def), &solved));
+  if (report != nullptr) {
+    *report = {solved.energy, solved.change, solved.iterations, solved.settled ? 1 : 0,
+               solved.at_rest ? 1 : 0};
+  }
+  return {};
+}
+
+CallStatus SkinInstance(const LimberSkinDef* def, Instance* instance) {
+  if (def == nullptr) return NullArgument("def");
+  LimberSkinDef full = limberDefaultSkinDef();
+  LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSkinDef", &full));
+  LIMBER_RETURN_IF_FAILED(CheckSkinDef(full, *instance));
+  const bool with_frames = full.normals.data != nullptr || full.tangents.data != nullptr;
+  const SkinTransforms transforms = instance->state.transforms();
+  LIMBER_RETURN_IF_FAILED(with_frames ? instance->skinner->Skin(transforms)
+                                      : instance->skinner->SkinPositionsOnly(transforms));
+  const DeformedMesh mesh = instance->skinner->result();
+  Write(mesh.positions, full.positions);
+  Write(mesh.normals, full.normals);
+  Write(mesh.tangents, full.tangents);
+  return {};
+}
+
 }  // namespace limber::capi
 
 using namespace limber;        // NOLINT(google-build-using-namespace): entry points in C's own
@@ -99,6 +128,7 @@ LimberInstanceDef limberDefaultInstanceDef(void) {
   def.cookie = kInstanceCookie;
   def.struct_size = sizeof(def);
   def.max_rotations = PoseRoom().rotations;
+  def.max_grabs = PoseRoom().grabs;
   def.skin = 1;
   return def;
 }
@@ -154,10 +184,11 @@ LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance, 
 }
 
 LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
-                                     int32_t handle, const float rotation[4]) {
+                                     int32_t handle, const float rotation[4], float stiffness) {
   return CallOn(context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
     if (rotation == nullptr) return NullArgument("rotation");
-    return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]});
+    return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]},
+                                 stiffness);
   });
 }
 
@@ -179,13 +210,7 @@ LimberResult limberSolve(LimberContext* context, LimberInstanceId instance,
   return CallOn(context, "limberSolve", instance, [&](Instance* of) -> CallStatus {
     LimberSolveDef full = limberDefaultSolveDef();
     LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSolveDef", &full));
-    PoseReport solved;
-    LIMBER_RETURN_IF_FAILED(of->state.Solve(OptionsOf(full), &solved));
-    if (report != nullptr) {
-      *report = {solved.energy, solved.change, solved.iterations, solved.settled ? 1 : 0,
-                 solved.at_rest ? 1 : 0};
-    }
-    return {};
+    return SolveInstance(full, of, report);
   });
 }
 
@@ -206,20 +231,8 @@ LimberResult limberGetBlendWeights(LimberContext* context, LimberInstanceId inst
 
 LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                         const LimberSkinDef* def) {
-  return CallOn(context, "limberSkin", instance, [&](Instance* of) -> CallStatus {
-    if (def == nullptr) return NullArgument("def");
-    LimberSkinDef full = limberDefaultSkinDef();
-    LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSkinDef", &full));
-    LIMBER_RETURN_IF_FAILED(CheckSkinDef(full, *of));
-    const bool with_frames = full.normals.data != nullptr || full.tangents.data != nullptr;
-    LIMBER_RETURN_IF_FAILED(with_frames ? of->skinner->Skin(of->state.transforms())
-                                        : of->skinner->SkinPositionsOnly(of->state.transforms()));
-    const DeformedMesh mesh = of->skinner->result();
-    Write(mesh.positions, full.positions);
-    Write(mesh.normals, full.normals);
-    Write(mesh.tangents, full.tangents);
-    return {};
-  });
+  return CallOn(context, "limberSkin", instance,
+                [&](Instance* of) -> CallStatus { return SkinInstance(def, of); });
 }
 
 }  // extern "C"

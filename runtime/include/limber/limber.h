@@ -18,6 +18,7 @@
 #define LIMBER_LIMBER_H
 /* NOLINTBEGIN(readability-identifier-naming,modernize-*): C's own names and ways */
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -90,12 +91,23 @@ enum {
  * the callback returns. It must not throw. */
 typedef void (*LimberLogFunction)(void* user, LimberSeverity severity, const char* message);
 
+/* One round of a loop. */
+typedef void (*LimberTask)(void* data, uint32_t index);
+
+/* The host's job system: calls task(data, 0) to task(data, count - 1), each once, in any order, on
+ * any threads, and returns when all are done. It must not throw. */
+typedef void (*LimberRunTasksFunction)(void* user, LimberTask task, void* data, uint32_t count);
+
 /* Every Def: begin with its limberDefault...Def(), then change what is to differ. */
 typedef struct LimberContextDef {
   uint32_t cookie, struct_size; /* set by limberDefaultContextDef; leave them */
   uint32_t header_version;      /* LIMBER_VERSION of the caller's header; set likewise */
   LimberLogFunction log;        /* may be null: nothing is said */
   void* log_user;
+  LimberRunTasksFunction run_tasks; /* null: the context has threads of its own, made for the first
+                                       limber...Many */
+  void* tasks_user;
+  int32_t num_threads; /* of its own, the caller's being one of them; 0: one per core */
 } LimberContextDef;
 
 /* With the caller's header version in it, hence a macro's work as well as a function's. */
@@ -177,6 +189,7 @@ typedef struct LimberInstanceDef {
   int32_t max_rotations; /* handles that may have a target rotation at once (4) */
   int32_t guaranteed;    /* 1: room for LimberSolveDef::guaranteed (0) */
   int32_t skin;          /* 1: room for limberSkin (1) */
+  int32_t max_grabs;     /* points of the skin that may be held at once (4) */
 } LimberInstanceDef;
 
 LIMBER_API LimberInstanceDef limberDefaultInstanceDef(void);
@@ -195,12 +208,66 @@ LIMBER_API LimberResult limberDestroyInstance(LimberContext* context, LimberInst
 LIMBER_API LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance,
                                         int32_t handle, const float position[3]);
 
-/* How a handle is to be turned from its rest, as a quaternion x, y, z, w of any length but zero.
- * [frame] Errors: as above; LIMIT_EXCEEDED (max_rotations), UNSUPPORTED (an old bake). */
+/* A stiffness: how firmly what is held follows its target. LIMBER_HELD_EXACTLY does exactly; a
+ * finite one, 1e-6 to 1e9, lets a target out of reach pull the character without tearing it: 1
+ * pulls like a square patch of the skin that is stretched along its side, 100 is nearly exact. */
+#define LIMBER_HELD_EXACTLY HUGE_VALF
+
+/* How a handle is to be turned from its rest, as a quaternion x, y, z, w of any length but zero;
+ * its position is held or not as before. [frame] The first for a handle costs as limberPin does.
+ * Errors: as above; LIMIT_EXCEEDED (max_rotations), UNSUPPORTED (an old bake). */
 LIMBER_API LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
-                                                int32_t handle, const float rotation[4]);
+                                                int32_t handle, const float rotation[4],
+                                                float stiffness);
 LIMBER_API LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
                                                   int32_t handle);
+
+/* A handle is held where it was baked as pinned; while the game runs any can be pinned, where it is
+ * at the moment, and let go. [frame] Calls that change what is held (not: that move it) cost the
+ * next solve some tens of microseconds. Errors, nothing being changed: STALE_ID, INVALID_ARGUMENT.
+ */
+LIMBER_API LimberResult limberPin(LimberContext* context, LimberInstanceId instance,
+                                  int32_t handle);
+LIMBER_API LimberResult limberUnpin(LimberContext* context, LimberInstanceId instance,
+                                    int32_t handle);
+LIMBER_API LimberResult limberSetStiffness(LimberContext* context, LimberInstanceId instance,
+                                           int32_t handle, float stiffness);
+
+/* How little a handle's target gives way to LimberSolveDef::stretch_limit, beside the others' (1 at
+ * first): 1e-6 to 1e9, or HUGE_VALF not at all. [frame] Errors: as above. */
+LIMBER_API LimberResult limberSetWeight(LimberContext* context, LimberInstanceId instance,
+                                        int32_t handle, float weight);
+
+typedef struct LimberHandleState {
+  float target[3];   /* its last one, at first its rest position */
+  float position[3]; /* where the skin has it after the last solve */
+  int32_t pinned;    /* 1: held */
+} LimberHandleState;
+
+/* [frame] Errors: STALE_ID, INVALID_ARGUMENT. */
+LIMBER_API LimberResult limberGetHandle(LimberContext* context, LimberInstanceId instance,
+                                        int32_t handle, LimberHandleState* state);
+
+/* A place on the skin, wherever the skin goes: a triangle's corners, as LimberRigInfo::triangles
+ * numbers them, and barycentric weights of sum one. A vertex is {v, v, v} with {1, 0, 0}. */
+typedef struct LimberSkinPoint {
+  uint32_t vertices[3];
+  float weights[3];
+} LimberSkinPoint;
+
+/* Holds any point of the skin, from where it is at the moment. The number in *grab is for the calls
+ * below, and is not another grab's until a million later. [frame] Costs as limberPin does. Errors:
+ * STALE_ID, INVALID_ARGUMENT, LIMIT_EXCEEDED (max_grabs), UNSUPPORTED (an old bake). */
+LIMBER_API LimberResult limberGrab(LimberContext* context, LimberInstanceId instance,
+                                   const LimberSkinPoint* point, float stiffness, int32_t* grab);
+LIMBER_API LimberResult limberSetGrabTarget(LimberContext* context, LimberInstanceId instance,
+                                            int32_t grab, const float position[3]);
+LIMBER_API LimberResult limberRelease(LimberContext* context, LimberInstanceId instance,
+                                      int32_t grab);
+
+/* Where a point of the skin is after the last solve. [frame] Errors: STALE_ID, INVALID_ARGUMENT. */
+LIMBER_API LimberResult limberGetPlace(LimberContext* context, LimberInstanceId instance,
+                                       const LimberSkinPoint* point, float position[3]);
 
 /* Targets at rest, no rotation, held what was baked as held. [frame] */
 LIMBER_API LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance);
@@ -266,6 +333,23 @@ LIMBER_API LimberSkinDef limberDefaultSkinDef(void);
  * room). */
 LIMBER_API LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                                    const LimberSkinDef* def);
+
+/* ---- Many at once -------------------------------------------------------------------------- */
+
+/* limberSolve of each instance, on the host's job system (LimberContextDef::run_tasks) or on the
+ * context's threads; returns when all are done, with the bits that one thread gives. `reports` and
+ * `results`, [count], may be null. An instance may be there once only, and in one such call at a
+ * time. [frame] but for the first call, which makes the threads. Errors: INVALID_ARGUMENT and
+ * LIMIT_EXCEEDED (more than a million) before any is begun; else one of those in `results`, all
+ * others being solved nevertheless. */
+LIMBER_API LimberResult limberSolveMany(LimberContext* context, const LimberInstanceId* instances,
+                                        uint32_t count, const LimberSolveDef* def,
+                                        LimberSolveReport* reports, LimberResult* results);
+
+/* limberSkin of each instance into its own def of `defs`, [count]; else as limberSolveMany. */
+LIMBER_API LimberResult limberSkinMany(LimberContext* context, const LimberInstanceId* instances,
+                                       uint32_t count, const LimberSkinDef* defs,
+                                       LimberResult* results);
 
 #ifdef __cplusplus
 }

@@ -111,7 +111,9 @@ TEST_F(CapiTest, ResetToRest_IsTheRestPose) {
   ASSERT_EQ(limberSkin(context_, instance_, &skin), LIMBER_SUCCESS);
   const float far[] = {0.3f * info_.diagonal, 0, 0}, turn[] = {0, 0, 0.5f, 1};
   ASSERT_EQ(limberSetTarget(context_, instance_, 0, far), LIMBER_SUCCESS) << Message();
-  ASSERT_EQ(limberSetTargetRotation(context_, instance_, 0, turn), LIMBER_SUCCESS) << Message();
+  ASSERT_EQ(limberSetTargetRotation(context_, instance_, 0, turn, LIMBER_HELD_EXACTLY),
+            LIMBER_SUCCESS)
+      << Message();
   ASSERT_EQ(limberSolve(context_, instance_, nullptr, nullptr), LIMBER_SUCCESS);
   ASSERT_EQ(limberResetToRest(context_, instance_), LIMBER_SUCCESS);
   LimberSolveDef def = limberDefaultSolveDef();

@@ -59,7 +59,9 @@ TEST_F(CapiMisuse, Nulls) {
       {"position", LIMBER_ERROR_INVALID_ARGUMENT, "position: is null",
        [&] { return limberSetTarget(context_, instance_, 0, nullptr); }},
       {"rotation", LIMBER_ERROR_INVALID_ARGUMENT, "rotation: is null",
-       [&] { return limberSetTargetRotation(context_, instance_, 0, nullptr); }},
+       [&] {
+         return limberSetTargetRotation(context_, instance_, 0, nullptr, LIMBER_HELD_EXACTLY);
+       }},
       {"weights", LIMBER_ERROR_INVALID_ARGUMENT, "weights: is null",
        [&] { return limberGetBlendWeights(context_, instance_, nullptr, 1); }},
       {"skin def", LIMBER_ERROR_INVALID_ARGUMENT, "def: is null",
@@ -124,7 +126,9 @@ TEST_F(CapiMisuse, WrongNumbers) {
       {"not finite", LIMBER_ERROR_INVALID_ARGUMENT, "limberSetTarget",
        [&] { return limberSetTarget(context_, instance_, 0, not_finite); }},
       {"no rotation", LIMBER_ERROR_INVALID_ARGUMENT, "limberSetTargetRotation",
-       [&] { return limberSetTargetRotation(context_, instance_, 0, no_turn); }},
+       [&] {
+         return limberSetTargetRotation(context_, instance_, 0, no_turn, LIMBER_HELD_EXACTLY);
+       }},
       {"count", LIMBER_ERROR_INVALID_ARGUMENT, "count: 3",
        [&] { return limberGetBlendWeights(context_, instance_, weights.data(), 3); }},
       {"iterations", LIMBER_ERROR_INVALID_ARGUMENT, "limberSolve",

@@ -1,0 +1,228 @@
+// limber.h for C++17 and later: objects that end what they own, exceptions that carry the message.
+// Header only; nothing of it crosses the library's border. What each call does, costs and refuses
+// is said in limber.h; threads too: a Context may be used by many at once, an Instance by one.
+#pragma once
+
+#include "limber/limber.h"
+
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limber::api {
+
+class Error : public std::runtime_error {
+ public:
+  Error(LimberResult result, const std::string& message)
+      : std::runtime_error(message.empty() ? limberResultString(result) : message),
+        result_(result) {}
+
+  LimberResult result() const noexcept { return result_; }
+
+ private:
+  LimberResult result_;
+};
+
+inline std::string LastMessage(const LimberContext* context) {
+  std::string message(limberGetLastMessage(context, nullptr, 0), '\0');
+  limberGetLastMessage(context, message.data(), message.size() + 1);
+  return message;
+}
+
+inline void Check(LimberResult result, const LimberContext* context) {
+  if (result != LIMBER_SUCCESS) throw Error(result, LastMessage(context));
+}
+
+using Point = std::array<float, 3>;
+using Quaternion = std::array<float, 4>;  // x, y, z, w
+
+// One character in the scene. Its context must outlive it.
+class Instance {
+ public:
+  Instance() = default;
+
+  Instance(LimberContext* context, LimberRigId rig, const LimberInstanceDef* def = nullptr)
+      : context_(context) {
+    Check(limberCreateInstance(context, rig, def, &id_), context);
+  }
+
+  Instance(Instance&& other) noexcept { Swap(other); }
+
+  Instance& operator=(Instance&& other) noexcept {
+    Swap(other);
+    return *this;
+  }
+
+  ~Instance() {
+    if (context_ != nullptr) limberDestroyInstance(context_, id_);
+  }
+
+  LimberInstanceId id() const noexcept { return id_; }
+
+  void SetTarget(int32_t handle, const Point& position) {
+    Check(limberSetTarget(context_, id_, handle, position.data()), context_);
+  }
+
+  void SetTargetRotation(int32_t handle, const Quaternion& rotation,
+                         float stiffness = LIMBER_HELD_EXACTLY) {
+    Check(limberSetTargetRotation(context_, id_, handle, rotation.data(), stiffness), context_);
+  }
+
+  void ClearTargetRotation(int32_t handle) {
+    Check(limberClearTargetRotation(context_, id_, handle), context_);
+  }
+
+  void Pin(int32_t handle) { Check(limberPin(context_, id_, handle), context_); }
+
+  void Unpin(int32_t handle) { Check(limberUnpin(context_, id_, handle), context_); }
+
+  void SetStiffness(int32_t handle, float stiffness) {
+    Check(limberSetStiffness(context_, id_, handle, stiffness), context_);
+  }
+
+  void SetWeight(int32_t handle, float weight) {
+    Check(limberSetWeight(context_, id_, handle, weight), context_);
+  }
+
+  LimberHandleState Handle(int32_t handle) const {
+    LimberHandleState state = {};
+    Check(limberGetHandle(context_, id_, handle, &state), context_);
+    return state;
+  }
+
+  int32_t Grab(const LimberSkinPoint& point, float stiffness = LIMBER_HELD_EXACTLY) {
+    int32_t grab = -1;
+    Check(limberGrab(context_, id_, &point, stiffness, &grab), context_);
+    return grab;
+  }
+
+  void SetGrabTarget(int32_t grab, const Point& position) {
+    Check(limberSetGrabTarget(context_, id_, grab, position.data()), context_);
+  }
+
+  void Release(int32_t grab) { Check(limberRelease(context_, id_, grab), context_); }
+
+  Point Place(const LimberSkinPoint& point) const {
+    Point position = {};
+    Check(limberGetPlace(context_, id_, &point, position.data()), context_);
+    return position;
+  }
+
+  void ResetToRest() { Check(limberResetToRest(context_, id_), context_); }
+
+  LimberSolveReport Solve(const LimberSolveDef* def = nullptr) {
+    LimberSolveReport report = {};
+    Check(limberSolve(context_, id_, def, &report), context_);
+    return report;
+  }
+
+  void Skin(const LimberSkinDef& def) { Check(limberSkin(context_, id_, &def), context_); }
+
+ private:
+  void Swap(Instance& other) noexcept {
+    std::swap(context_, other.context_);
+    std::swap(id_, other.id_);
+  }
+
+  LimberContext* context_ = nullptr;
+  LimberInstanceId id_ = {0, 0};
+};
+
+// A loaded character. Its context must outlive it; its instances need not end before it.
+class Rig {
+ public:
+  Rig() = default;
+
+  Rig(LimberContext* context, LimberRigId id) noexcept : context_(context), id_(id) {}
+
+  Rig(Rig&& other) noexcept { Swap(other); }
+
+  Rig& operator=(Rig&& other) noexcept {
+    Swap(other);
+    return *this;
+  }
+
+  ~Rig() {
+    if (context_ != nullptr) limberDestroyRig(context_, id_);
+  }
+
+  LimberRigId id() const noexcept { return id_; }
+
+  LimberRigInfo Info() const {
+    LimberRigInfo info = {};
+    Check(limberGetRigInfo(context_, id_, &info), context_);
+    return info;
+  }
+
+  LimberHandleInfo HandleInfo(int32_t handle) const {
+    LimberHandleInfo info = {};
+    Check(limberGetHandleInfo(context_, id_, handle, &info), context_);
+    return info;
+  }
+
+  int32_t FindHandle(const std::string& name) const {
+    int32_t handle = -1;
+    Check(limberFindHandle(context_, id_, name.c_str(), &handle), context_);
+    return handle;
+  }
+
+  Instance MakeInstance(const LimberInstanceDef* def = nullptr) const {
+    return Instance(context_, id_, def);
+  }
+
+ private:
+  void Swap(Rig& other) noexcept {
+    std::swap(context_, other.context_);
+    std::swap(id_, other.id_);
+  }
+
+  LimberContext* context_ = nullptr;
+  LimberRigId id_ = {0, 0};
+};
+
+class Context {
+ public:
+  explicit Context(const LimberContextDef& def = limberDefaultContextDef()) {
+    Check(limberCreateContext(&def, &context_), nullptr);
+  }
+
+  Context(Context&& other) noexcept : context_(std::exchange(other.context_, nullptr)) {}
+
+  Context& operator=(Context&& other) noexcept {
+    std::swap(context_, other.context_);
+    return *this;
+  }
+
+  ~Context() { limberDestroyContext(context_); }
+
+  LimberContext* get() const noexcept { return context_; }
+
+  Rig LoadRig(const std::string& path, const LimberRigDef* def = nullptr) {
+    LimberRigId id = {0, 0};
+    Check(limberLoadRig(context_, path.c_str(), def, &id), context_);
+    return Rig(context_, id);
+  }
+
+  Rig LoadRig(const void* bytes, size_t num_bytes, const std::string& name,
+              const LimberRigDef* def = nullptr) {
+    LimberRigId id = {0, 0};
+    Check(limberLoadRigFromMemory(context_, bytes, num_bytes, name.c_str(), def, &id), context_);
+    return Rig(context_, id);
+  }
+
+  // The first failure is thrown; all others are solved nevertheless.
+  void SolveMany(const std::vector<LimberInstanceId>& instances,
+                 const LimberSolveDef* def = nullptr) {
+    Check(limberSolveMany(context_, instances.data(), static_cast<uint32_t>(instances.size()), def,
+                          nullptr, nullptr),
+          context_);
+  }
+
+ private:
+  LimberContext* context_ = nullptr;
+};
+
+}  // namespace limber::api
