@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace limber::capi {
 
@@ -26,13 +27,26 @@ struct RigEntry {
   std::shared_ptr<const PoseModel> model;
 };
 
-struct Instance {
-  Instance(PoseState pose, std::optional<CpuSkinner> skin)
-      : state(std::move(pose)),
-        skinner(std::move(skin)) {}
+// What was asked of one handle beside its target.
+struct HandleWishes {
+  float stiffness = kHeldExactly, weight = 1;
+  bool is_turned = false;
+  Quaternion rotation = {};
+  float rotation_stiffness = kHeldExactly;
+};
 
+struct Instance {
+  Instance(const LimberInstanceDef& with, PoseState pose, std::optional<CpuSkinner> skin)
+      : def(with),
+        state(std::move(pose)),
+        skinner(std::move(skin)),
+        wishes(static_cast<size_t>(state.rig().num_handles())) {}
+
+  LimberInstanceDef def;
   PoseState state;
   std::optional<CpuSkinner> skinner;
+  std::vector<HandleWishes> wishes;  // [H], for another rig to take over
+  LimberSolveDef last_solve = limberDefaultSolveDef();
   std::atomic<bool> in_crowd = false;  // a call about many is at it
 };
 

@@ -53,14 +53,19 @@ LimberResult limberUnpin(LimberContext* context, LimberInstanceId instance, int3
 LimberResult limberSetStiffness(LimberContext* context, LimberInstanceId instance, int32_t handle,
                                 float stiffness) {
   return CallOn(context, "limberSetStiffness", instance, [&](Instance* of) -> CallStatus {
-    return of->state.SetStiffness(handle, stiffness);
+    LIMBER_RETURN_IF_FAILED(of->state.SetStiffness(handle, stiffness));
+    of->wishes[static_cast<size_t>(handle)].stiffness = stiffness;
+    return {};
   });
 }
 
 LimberResult limberSetWeight(LimberContext* context, LimberInstanceId instance, int32_t handle,
                              float weight) {
-  return CallOn(context, "limberSetWeight", instance,
-                [&](Instance* of) -> CallStatus { return of->state.SetWeight(handle, weight); });
+  return CallOn(context, "limberSetWeight", instance, [&](Instance* of) -> CallStatus {
+    LIMBER_RETURN_IF_FAILED(of->state.SetWeight(handle, weight));
+    of->wishes[static_cast<size_t>(handle)].weight = weight;
+    return {};
+  });
 }
 
 LimberResult limberGetHandle(LimberContext* context, LimberInstanceId instance, int32_t handle,

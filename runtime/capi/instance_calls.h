@@ -5,6 +5,10 @@
 
 namespace limber::capi {
 
+// At rest, with the room that `def` says.
+CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
+                        std::unique_ptr<Instance>* instance);
+
 // `report` may be null. The Def is one that ReadDef gave.
 CallStatus SolveInstance(const LimberSolveDef& def, Instance* instance, LimberSolveReport* report);
 

@@ -23,26 +23,6 @@ Result<std::shared_ptr<const PoseModel>> ModelOf(RigEntry* entry) {
   return entry->model;
 }
 
-CallStatus Create(const LimberInstanceDef& def, RigEntry* entry,
-                  std::unique_ptr<Instance>* instance) {
-  auto model = ModelOf(entry);
-  if (!model.ok()) return model.status();
-  PoseRoom room;
-  room.grabs = def.max_grabs;
-  room.rotations = def.max_rotations;
-  room.guaranteed = def.guaranteed != 0;
-  auto state = PoseState::Create(std::move(model).value(), room);
-  if (!state.ok()) return state.status();
-  std::optional<CpuSkinner> skinner;
-  if (def.skin != 0) {
-    auto made = CpuSkinner::Create(entry->rig->mesh(), entry->rig->tables().space);
-    if (!made.ok()) return made.status();
-    skinner = std::move(made).value();
-  }
-  *instance = std::make_unique<Instance>(std::move(state).value(), std::move(skinner));
-  return {};
-}
-
 PoseOptions OptionsOf(const LimberSolveDef& def) {
   PoseOptions options;
   options.iterations = def.iterations;
@@ -90,9 +70,30 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
 
 }  // namespace
 
+CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
+                        std::unique_ptr<Instance>* instance) {
+  auto model = ModelOf(entry);
+  if (!model.ok()) return model.status();
+  PoseRoom room;
+  room.grabs = def.max_grabs;
+  room.rotations = def.max_rotations;
+  room.guaranteed = def.guaranteed != 0;
+  auto state = PoseState::Create(std::move(model).value(), room);
+  if (!state.ok()) return state.status();
+  std::optional<CpuSkinner> skinner;
+  if (def.skin != 0) {
+    auto made = CpuSkinner::Create(entry->rig->mesh(), entry->rig->tables().space);
+    if (!made.ok()) return made.status();
+    skinner = std::move(made).value();
+  }
+  *instance = std::make_unique<Instance>(def, std::move(state).value(), std::move(skinner));
+  return {};
+}
+
 CallStatus SolveInstance(const LimberSolveDef& def, Instance* instance, LimberSolveReport* report) {
   PoseReport solved;
   LIMBER_RETURN_IF_FAILED(instance->state.Solve(OptionsOf(def), &solved));
+  instance->last_solve = def;
   if (report != nullptr) {
     *report = {solved.energy, solved.change, solved.iterations, solved.settled ? 1 : 0,
                solved.at_rest ? 1 : 0};
@@ -159,7 +160,7 @@ LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
     LimberInstanceDef full = limberDefaultInstanceDef();
     LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberInstanceDef", &full));
     std::unique_ptr<Instance> made;
-    LIMBER_RETURN_IF_FAILED(Create(full, entry, &made));
+    LIMBER_RETURN_IF_FAILED(MakeInstance(full, entry, &made));
     SlotId id;
     if (!context->instances.Insert(std::move(made), &id))
       return {LIMBER_ERROR_LIMIT_EXCEEDED, "a million instances are there already"};
@@ -187,20 +188,29 @@ LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId in
                                      int32_t handle, const float rotation[4], float stiffness) {
   return CallOn(context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
     if (rotation == nullptr) return NullArgument("rotation");
-    return of->state.SetRotation(handle, {rotation[0], rotation[1], rotation[2], rotation[3]},
-                                 stiffness);
+    const Quaternion turn = {rotation[0], rotation[1], rotation[2], rotation[3]};
+    LIMBER_RETURN_IF_FAILED(of->state.SetRotation(handle, turn, stiffness));
+    HandleWishes& wishes = of->wishes[static_cast<size_t>(handle)];
+    wishes.is_turned = true;
+    wishes.rotation = turn;
+    wishes.rotation_stiffness = stiffness;
+    return {};
   });
 }
 
 LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
                                        int32_t handle) {
-  return CallOn(context, "limberClearTargetRotation", instance,
-                [&](Instance* of) -> CallStatus { return of->state.ClearRotation(handle); });
+  return CallOn(context, "limberClearTargetRotation", instance, [&](Instance* of) -> CallStatus {
+    LIMBER_RETURN_IF_FAILED(of->state.ClearRotation(handle));
+    of->wishes[static_cast<size_t>(handle)].is_turned = false;
+    return {};
+  });
 }
 
 LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance) {
   return CallOn(context, "limberResetToRest", instance, [&](Instance* of) -> CallStatus {
     of->state.ResetToRest();
+    std::fill(of->wishes.begin(), of->wishes.end(), HandleWishes());
     return {};
   });
 }

@@ -202,6 +202,16 @@ LIMBER_API LimberResult limberCreateInstance(LimberContext* context, LimberRigId
 
 LIMBER_API LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId instance);
 
+/* Puts another rig under an instance, as when a character was baked again while the game runs. Its
+ * handles take over, by name, what was asked of the old ones (held or not, targets, stiffness,
+ * weights, rotations); the pose is the solution for that, of the last solve's options, near which
+ * the old one was where the rigs are alike. Grabs end. Costs as limberCreateInstance, and a hundred
+ * alternations. To reload: load the new file on any thread, then call this for each instance, on
+ * the thread that it belongs to, between two frames. Errors, the instance being as it was:
+ * STALE_ID, those of limberCreateInstance. */
+LIMBER_API LimberResult limberSwitchRig(LimberContext* context, LimberInstanceId instance,
+                                        LimberRigId rig);
+
 /* Where a pinned handle is to be. [frame] Errors, the old target staying: STALE_ID,
  * INVALID_ARGUMENT (no such handle, not pinned, not finite or a million times the character's size
  * away). */

@@ -62,6 +62,8 @@ class Instance {
 
   LimberInstanceId id() const noexcept { return id_; }
 
+  void SwitchRig(LimberRigId rig) { Check(limberSwitchRig(context_, id_, rig), context_); }
+
   void SetTarget(int32_t handle, const Point& position) {
     Check(limberSetTarget(context_, id_, handle, position.data()), context_);
   }
