@@ -67,11 +67,18 @@ double AlternationSeconds(const RigSize& size) {
   return blocks * (0.08 + 0.024 * handles + 0.0004 * blocks) * 1e-6;
 }
 
-uint64_t CharacterBytes(const RigSize& size, const RigTables& tables) {
-  constexpr double kMostRows = 1100;  // more do not show: what holds them is made on demand
-  const double blocks = static_cast<double>(size.num_groups) * size.num_shapes;
-  const double rows = std::min<double>(tables.num_transform_rows(), kMostRows);
-  return static_cast<uint64_t>(blocks * (6800 + 7.4 * rows));
+// What a state with lent scratch memory keeps (solve/pose_workspaces.h): B, R and P of the blocks,
+// each shape's own R and modes, matrices. Blocks and groups come in eights.
+uint64_t CharacterBytes(const RigTables& tables) {
+  const auto eights = [](uint64_t count) { return (count + 7) / 8 * 8; };
+  const auto k = static_cast<uint64_t>(tables.dimension);
+  const auto shapes = static_cast<uint64_t>(tables.num_shapes());
+  const auto groups = static_cast<uint64_t>(tables.num_groups);
+  const uint64_t blocks = eights(groups * shapes);
+  const uint64_t modes = eights(static_cast<uint64_t>(tables.num_single_modes) + k);
+  const uint64_t doubles = blocks * (2 + 2 * k * k) + shapes * k * (eights(groups) * k + modes);
+  return doubles * sizeof(double) +
+         static_cast<uint64_t>(tables.num_handles()) * shapes * 12 * sizeof(float);
 }
 
 // No more than what pack_tables.h makes of tables of that size: the residual is a trapezoid, and
@@ -97,7 +104,7 @@ RigCost Estimate(const RigSize& size, const RigTables& tables, uint64_t table_by
   cost.model_bytes = NumTableFloats(tables) * sizeof(float) + ModelBytes(tables);
   cost.mesh_bytes =
       vertices * (handles + 3 * static_cast<uint64_t>(size.num_shapes)) * sizeof(float);
-  cost.character_bytes = CharacterBytes(size, tables);
+  cost.character_bytes = CharacterBytes(tables);
   cost.alternation_seconds = AlternationSeconds(size);
   return cost;
 }

@@ -20,10 +20,12 @@ struct RigSize {
 };
 
 struct RigCost {
-  uint64_t file_bytes = 0;       // what the bake adds to the source file
-  uint64_t model_bytes = 0;      // the solver's tables, shared by all characters of the rig
-  uint64_t mesh_bytes = 0;       // weights and example shapes, shared likewise
-  uint64_t character_bytes = 0;  // each character on the screen beside that
+  uint64_t file_bytes = 0;   // what the bake adds to the source file
+  uint64_t model_bytes = 0;  // the solver's tables, shared by all characters of the rig
+  uint64_t mesh_bytes = 0;   // weights and example shapes, shared likewise
+  // Each character on the screen beside that, less what its vertices take; one with a PoseState of
+  // its own (pose_solver.h) takes some twenty times as much.
+  uint64_t character_bytes = 0;
   double alternation_seconds = 0;
 };
 
@@ -31,7 +33,7 @@ RigSize SizeOf(const RigTables& tables, int64_t num_vertices, int64_t num_draw_v
 
 // Before the bake num_modes, r, is not known: the bytes are then upper bounds, reached where
 // nothing in the examples is linearly dependent and nothing is small. With tables, table_bytes is
-// what they take in the file (pack_tables.h). alternation_seconds and character_bytes are fits to
+// what they take in the file (pack_tables.h). alternation_seconds is a fit to
 // measurements (tests/benchmarks/README.md): a desktop core of 2023 that has its caches to itself,
 // to a factor of two.
 RigCost EstimateCost(const RigSize& size);

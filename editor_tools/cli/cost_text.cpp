@@ -10,10 +10,10 @@ std::string CostText(const bake::RigCost& cost) {
   const auto megabytes = [](uint64_t bytes) { return static_cast<double>(bytes) / 1e6; };
   char text[256];
   std::snprintf(text, sizeof text,
-                "%.2f MB more in the file; in memory %.2f MB of model, %.2f MB of mesh, %.2f MB a "
+                "%.2f MB more in the file; in memory %.2f MB of model, %.2f MB of mesh, %.0f kB a "
                 "character; about %.3g us an alternation",
                 megabytes(cost.file_bytes), megabytes(cost.model_bytes), megabytes(cost.mesh_bytes),
-                megabytes(cost.character_bytes), cost.alternation_seconds * 1e6);
+                1e3 * megabytes(cost.character_bytes), cost.alternation_seconds * 1e6);
   return text;
 }
 

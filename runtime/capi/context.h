@@ -9,6 +9,7 @@
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
+#include "solve/pose_workspaces.h"
 
 #include <atomic>
 #include <memory>
@@ -20,11 +21,11 @@
 
 namespace limber::capi {
 
-// A loaded rig, and the model that its instances share, made for the first of them.
+// A loaded rig, and what its instances share, made for the first of them.
 struct RigEntry {
   std::shared_ptr<const Rig> rig;
-  std::mutex mutex;  // of the model
-  std::shared_ptr<const PoseModel> model;
+  std::mutex mutex;  // of the workspaces, while they are made
+  std::shared_ptr<PoseWorkspaces> workspaces;
 };
 
 // What was asked of one handle beside its target.

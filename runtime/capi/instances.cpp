@@ -12,15 +12,15 @@ namespace {
 constexpr uint32_t kInstanceCookie = 0x4C4D4303, kSolveCookie = 0x4C4D4304,
                    kSkinCookie = 0x4C4D4305;
 
-// The model of a rig's instances, made where there is none yet.
-Result<std::shared_ptr<const PoseModel>> ModelOf(RigEntry* entry) {
+// What a rig's instances share, made where there is nothing yet.
+Result<std::shared_ptr<PoseWorkspaces>> WorkspacesOf(RigEntry* entry) {
   const std::lock_guard lock(entry->mutex);
-  if (entry->model == nullptr) {
+  if (entry->workspaces == nullptr) {
     auto model = PoseModel::Create(entry->rig);
-    if (!model.ok()) return model;
-    entry->model = std::move(model).value();
+    if (!model.ok()) return model.status();
+    entry->workspaces = std::make_shared<PoseWorkspaces>(std::move(model).value(), PoseRoom());
   }
-  return entry->model;
+  return entry->workspaces;
 }
 
 PoseOptions OptionsOf(const LimberSolveDef& def) {
@@ -72,13 +72,14 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
 
 CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
                         std::unique_ptr<Instance>* instance) {
-  auto model = ModelOf(entry);
-  if (!model.ok()) return model.status();
+  auto shared = WorkspacesOf(entry);
+  if (!shared.ok()) return shared.status();
   PoseRoom room;
   room.grabs = def.max_grabs;
   room.rotations = def.max_rotations;
   room.guaranteed = def.guaranteed != 0;
-  auto state = PoseState::Create(std::move(model).value(), room);
+  auto state = (*shared)->HasRoomFor(room) ? PoseState::Create(*shared, room)
+                                           : PoseState::Create((*shared)->model(), room);
   if (!state.ok()) return state.status();
   std::optional<CpuSkinner> skinner;
   if (def.skin != 0) {

@@ -43,6 +43,33 @@ Alternation<K>::Alternation(const PoseModel& model, size_t max_pins, size_t max_
       other_residual_(residual_) {}
 
 template <int K>
+typename Alternation<K>::Memory Alternation<K>::MakeMemory(const PoseModel& model) {
+  const size_t blocks = model.chunks() * kBlockLanes;
+  return {AlignedVector<double>(blocks), AlignedVector<double>(blocks * K * K),
+          AlignedVector<double>(blocks * K * K), NearnessStep<K>::MakeMemory(model)};
+}
+
+template <int K>
+void Alternation<K>::Exchange(Memory* memory) {
+  blend_.swap(memory->blend);
+  rotations_.swap(memory->rotations);
+  memory_.product.swap(memory->product);
+  nearness_step_.Exchange(&memory->nearness);
+  std::swap(are_identity_, memory->are_identity);
+  std::swap(memory_.has_product, memory->has_product);
+}
+
+template <int K>
+void Alternation<K>::Resume(const PoseModel& model, const PinSet& pins) {
+  const bool has_product = memory_.has_product;
+  UsePins(pins);
+  ElasticForm<K> form = Form(model);
+  form.TakeRotations();
+  form.UseBlend(blend_.data());
+  memory_.has_product = has_product;
+}
+
+template <int K>
 ElasticForm<K> Alternation<K>::Form(const PoseModel& model) {
   return {model, *pins_, rotations_, pins_->turns.empty() ? nullptr : &patch_turns_, &memory_};
 }

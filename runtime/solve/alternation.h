@@ -47,6 +47,25 @@ class Alternation {
     BlendReport convex;  // of the convex step
   };
 
+  // What one Run leaves to the next. All else is scratch, so that one alternation can serve many
+  // characters in turn: Exchange, Resume, Runs, Exchange.
+  struct Memory {
+    AlignedVector<double> blend, rotations;  // B and R
+    AlignedVector<double> product;           // P of both, where has_product
+    typename NearnessStep<K>::Memory nearness;
+    bool are_identity = false, has_product = false;
+  };
+
+  // Of nobody: to be begun with ResetToRest.
+  static Memory MakeMemory(const PoseModel& model);
+
+  // Exchanges this alternation's memory with *memory.
+  void Exchange(Memory* memory);
+
+  // After memory was put in: goes on with it, as if nothing else had been here meanwhile (with
+  // rotations to the bit; without, the convex step has to ask for its matrices again).
+  void Resume(const PoseModel& model, const PinSet& pins);
+
   // max_pins: rows of the largest pin set that UsePins will see, where larger than the model's own.
   // Begins with that.
   explicit Alternation(const PoseModel& model, size_t max_pins = 0, size_t max_turns = 0);

@@ -1,11 +1,14 @@
 #include "solve/held_points.h"
 
+#include "core/out_of_memory.h"
 #include "core/rotation_fit.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -98,19 +101,39 @@ Status NoSuchGrab(const Rig& rig, int grab) {
 
 }  // namespace
 
-HeldPoints::HeldPoints(const PoseModel& model, int grabs, int rotations)
+HeldPoints::Room::Room(const Rig& rig, size_t num_handles, size_t num_extra_rows, size_t max_turns)
+    : extra_rows(rig, num_extra_rows),
+      pins(rig, num_handles + num_extra_rows, max_turns) {}
+
+size_t HeldPoints::Capacity(const PoseModel& model, int grabs, int rotations) {
+  return model.rig->tables().handles.size() + static_cast<size_t>(grabs) +
+         static_cast<size_t>(rotations) * static_cast<size_t>(model.k);
+}
+
+HeldPoints::HeldPoints(const PoseModel& model, int grabs, int rotations, bool later)
     : dimension_(static_cast<size_t>(model.k)),
       handles_(model.rig->tables().handles.size()),
       weights_(handles_.size()),
       turns_(static_cast<size_t>(rotations)),
       grabs_(static_cast<size_t>(grabs)),
-      extra_rows_(*model.rig, turns_.size() * dimension_ + grabs_.size()),
-      own_pins_(*model.rig, handles_.size() + extra_rows_.capacity(), turns_.size()),
       pins_(model.pins.get()) {
-  holds_.reserve(own_pins_.capacity());
-  turned_.reserve(turns_.size());
   pinned_.reserve(handles_.size());
   Reset(model);
+  if (later) return;
+  const Status made = MakeRoom(*model.rig);
+  if (!made.ok()) throw std::bad_alloc();  // for whoever creates the state
+}
+
+Status HeldPoints::MakeRoom(const Rig& rig) {
+  if (room_ != nullptr) return {};
+  return CatchOutOfMemory(rig.name(), [&]() -> Status {
+    const size_t extra = turns_.size() * dimension_ + grabs_.size();
+    auto room = std::make_unique<Room>(rig, handles_.size(), extra, turns_.size());
+    holds_.reserve(room->pins.capacity());
+    turned_.reserve(turns_.size());
+    room_ = std::move(room);
+    return {};
+  });
 }
 
 void HeldPoints::Reset(const PoseModel& model) {
@@ -154,6 +177,7 @@ Status HeldPoints::Pin(const Rig& rig, int handle, Vec3 place) {
   Point& point = handles_[static_cast<size_t>(handle)];
   if (point.held) return {};
   LIMBER_RETURN_IF_ERROR(CheckPosition(rig, place, handle));
+  LIMBER_RETURN_IF_ERROR(MakeRoom(rig));
   is_changed_ = point.held = true;
   point.target = place;
   point.target_rig = ToRigSpace(rig, place);
@@ -162,6 +186,7 @@ Status HeldPoints::Pin(const Rig& rig, int handle, Vec3 place) {
 
 Status HeldPoints::Unpin(const Rig& rig, int handle) {
   LIMBER_RETURN_IF_ERROR(CheckHandle(rig, handle));
+  LIMBER_RETURN_IF_ERROR(MakeRoom(rig));
   Point& point = handles_[static_cast<size_t>(handle)];
   is_changed_ |= point.held;
   point.held = false;
@@ -171,6 +196,7 @@ Status HeldPoints::Unpin(const Rig& rig, int handle) {
 Status HeldPoints::SetStiffness(const Rig& rig, int handle, float stiffness) {
   LIMBER_RETURN_IF_ERROR(CheckHandle(rig, handle));
   LIMBER_RETURN_IF_ERROR(CheckStiffness(rig, stiffness));
+  LIMBER_RETURN_IF_ERROR(MakeRoom(rig));
   Point& point = handles_[static_cast<size_t>(handle)];
   is_changed_ |= point.compliance != Compliance(stiffness);
   point.compliance = Compliance(stiffness);
@@ -217,8 +243,9 @@ Status HeldPoints::SetRotation(const Rig& rig, int handle, Quaternion rotation, 
                    "state with room for more",
                    rig.name().c_str(), NameOf(rig, handle), turns_.size());
     }
-    turn->patch =
-        extra_rows_.FillAxes(rig, turn_row(static_cast<size_t>(turn - turns_.begin())), handle);
+    LIMBER_RETURN_IF_ERROR(MakeRoom(rig));
+    turn->patch = room_->extra_rows.FillAxes(
+        rig, turn_row(static_cast<size_t>(turn - turns_.begin())), handle);
     turn->handle = handle;
     is_changed_ = true;
   }
@@ -258,7 +285,8 @@ Result<int> HeldPoints::Grab(const Rig& rig, const SkinPoint& point, Vec3 place,
                  "with room for more",
                  rig.name().c_str(), grabs_.size());
   }
-  extra_rows_.FillPoint(rig, grab_row(slot), point);
+  LIMBER_RETURN_IF_ERROR(MakeRoom(rig));
+  room_->extra_rows.FillPoint(rig, grab_row(slot), point);
   Grabbed& grab = grabs_[slot];
   const int round = grab.id < 0 ? 0 : grab.id / static_cast<int>(grabs_.size()) + 1;
   grab.id = (round % (1 << 20)) * static_cast<int>(grabs_.size()) + static_cast<int>(slot);
@@ -331,14 +359,14 @@ const PinSet& HeldPoints::Pins(const PoseModel& model, bool* changed) {
     if (turns_[slot].handle < 0) continue;
     turned_.push_back({holds_.size(), turns_[slot].patch});
     for (size_t axis = 0; axis < turns_[slot].patch.count; ++axis)
-      holds_.push_back({extra_rows_.row(turn_row(slot) + axis), turns_[slot].compliance});
+      holds_.push_back({room_->extra_rows.row(turn_row(slot) + axis), turns_[slot].compliance});
   }
   for (size_t slot = 0; slot < grabs_.size(); ++slot) {
     if (grabs_[slot].held)
-      holds_.push_back({extra_rows_.row(grab_row(slot)), grabs_[slot].compliance});
+      holds_.push_back({room_->extra_rows.row(grab_row(slot)), grabs_[slot].compliance});
   }
-  own_pins_.Build(*model.rig, holds_, turned_);
-  pins_ = &own_pins_;
+  room_->pins.Build(*model.rig, holds_, turned_);
+  pins_ = &room_->pins;
   return *pins_;
 }
 

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,8 +20,13 @@ namespace limber {
 
 class HeldPoints {
  public:
-  // grabs, rotations: how many of each there may be at once.
-  HeldPoints(const PoseModel& model, int grabs, int rotations);
+  // grabs, rotations: how many of each there may be at once. later: the room for other pins than
+  // the rig's own (ten times the rest) is made by the first call that asks for some, which may then
+  // end with kOutOfMemory.
+  HeldPoints(const PoseModel& model, int grabs, int rotations, bool later = false);
+
+  // Rows of the largest pin set that there can be.
+  static size_t Capacity(const PoseModel& model, int grabs, int rotations);
 
   // The rig's pinned handles at their rest positions, exactly; no rotation, no grab.
   void Reset(const PoseModel& model);
@@ -59,9 +65,6 @@ class HeldPoints {
 
   const double* weights() const { return weights_.data(); }  // [H], of SetWeight
 
-  // The largest c there can be.
-  size_t capacity() const { return own_pins_.capacity(); }
-
   size_t max_turns() const { return turns_.size(); }
 
  private:
@@ -83,6 +86,15 @@ class HeldPoints {
     int id = -1;
   };
 
+  // For pins of its own.
+  struct Room {
+    Room(const Rig& rig, size_t num_handles, size_t num_extra_rows, size_t max_turns);
+
+    HeldRowTable extra_rows;  // of the turns, then of the grabs
+    PinSet pins;
+  };
+
+  Status MakeRoom(const Rig& rig);
   Status CheckHandle(const Rig& rig, int handle) const;
   Grabbed* FindGrab(int grab);
   bool IsAsBaked(const RigTables& tables) const;
@@ -97,8 +109,7 @@ class HeldPoints {
   std::vector<int> pinned_;
   std::vector<Turn> turns_;
   std::vector<Grabbed> grabs_;
-  HeldRowTable extra_rows_;  // of the turns, then of the grabs
-  PinSet own_pins_;
+  std::unique_ptr<Room> room_;       // null: not made yet
   std::vector<Hold> holds_;          // scratch
   std::vector<TurnedPatch> turned_;  // scratch
   bool is_changed_ = false;

@@ -21,26 +21,32 @@ NearnessStep<K>::NearnessStep(const PoseModel& model, size_t max_pins)
       shape_planes_(model.group_chunks() * kBlockLanes * K * K),
       size_(model.single_size()),
       stride_(model.single_stride()),
-      rotations_(static_cast<size_t>(model.num_shapes) * shape_planes_),
+      memory_(MakeMemory(model)),
       last_rotations_(shape_planes_),
-      modes_(static_cast<size_t>(model.num_shapes) * K * stride_),
       last_modes_(K * stride_),
       gaps_(std::max(max_pins, model.pins->capacity()) * K),
       images_(gaps_.size() / K),
       fits_(shape_planes_),
       turned_(model.group_chunks() * kBlockLanes),
-      lower_(static_cast<size_t>(model.num_blocks)),
-      squares_(lower_.size() * kBlockLanes),
-      rows_done_(lower_.size()),
+      squares_(memory_.lower.size() * kBlockLanes),
+      rows_done_(memory_.lower.size()),
       failed_(model.group_chunks() * kBlockLanes) {
   Reset();
 }
 
 template <int K>
+typename NearnessStep<K>::Memory NearnessStep<K>::MakeMemory(const PoseModel& model) {
+  const auto shapes = static_cast<size_t>(model.num_shapes);
+  return {AlignedVector<double>(shapes * model.group_chunks() * kBlockLanes * K * K),
+          AlignedVector<double>(shapes * K * model.single_stride()),
+          std::vector<double>(static_cast<size_t>(model.num_blocks))};
+}
+
+template <int K>
 void NearnessStep<K>::Reset() {
-  SetIdentity<K>(&rotations_);
-  std::fill(modes_.begin(), modes_.end(), 0.0);
-  std::fill(lower_.begin(), lower_.end(), 0.0);
+  SetIdentity<K>(&memory_.rotations);
+  std::fill(memory_.modes.begin(), memory_.modes.end(), 0.0);
+  std::fill(memory_.lower.begin(), memory_.lower.end(), 0.0);
 }
 
 // z = b + C^T y with b = sum_g K_g^T R_g^T, y = W (X - C b), as in constraint_system.h.
@@ -112,7 +118,7 @@ void NearnessStep<K>::LowerBounds(const PoseModel& model, size_t shape) {
   for (size_t g = 0; g < static_cast<size_t>(model.num_groups); ++g) {
     const size_t block = g * static_cast<size_t>(model.num_shapes) + shape;
     const double fall = moved + model.single_edge_norms[block] * (turned_[g] + kRootRounding);
-    lower_[block] = std::max(0.0, lower_[block] - fall);
+    memory_.lower[block] = std::max(0.0, memory_.lower[block] - fall);
   }
 }
 
@@ -134,7 +140,7 @@ void NearnessStep<K>::Run(const PoseModel& model, const PinSet& pins, const doub
 template <int K>
 double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_least) {
   const auto i = static_cast<size_t>(block);
-  if (lower_[i] >= at_least || is_exact(block)) return lower_[i];
+  if (memory_.lower[i] >= at_least || is_exact(block)) return memory_.lower[i];
   const size_t shapes = static_cast<size_t>(model.num_shapes), s = i % shapes, g = i / shapes;
   double *modes = Modes(s), *squares = squares_.data() + i * kBlockLanes;
   if (rows_done_[i] == 0) std::fill_n(squares, kBlockLanes, 0.0);
@@ -146,8 +152,8 @@ double NearnessStep<K>::RaiseBound(const PoseModel& model, int block, double at_
       kernels_.single_energy(model.single_heads.data() + i * size_ * kBlockLanes,
                              model.single_tails.data() + i * model.single_tail_size, modes, size_,
                              stride_, at_least * at_least, &rows_done_[i], squares));
-  lower_[i] = is_exact(block) ? root : std::max(lower_[i], root);
-  return lower_[i];
+  memory_.lower[i] = is_exact(block) ? root : std::max(memory_.lower[i], root);
+  return memory_.lower[i];
 }
 
 template <int K>

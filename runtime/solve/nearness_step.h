@@ -19,6 +19,21 @@ namespace limber {
 template <int K>
 class NearnessStep {
  public:
+  // What one call leaves to the next; everything else is scratch.
+  struct Memory {
+    AlignedVector<double> rotations, modes;
+    std::vector<double> lower;
+  };
+
+  static Memory MakeMemory(const PoseModel& model);
+
+  // Lends or takes back that memory: exchanges it with *memory's.
+  void Exchange(Memory* memory) {
+    memory_.rotations.swap(memory->rotations);
+    memory_.modes.swap(memory->modes);
+    memory_.lower.swap(memory->lower);
+  }
+
   // max_pins: rows of the largest pin set that Run will see, where larger than the model's own.
   explicit NearnessStep(const PoseModel& model, size_t max_pins = 0);
 
@@ -34,7 +49,7 @@ class NearnessStep {
   double Root(const PoseModel& model, int block);
 
   // No more than sqrt(D_gs).
-  double LowerBound(int block) const { return lower_[static_cast<size_t>(block)]; }
+  double LowerBound(int block) const { return memory_.lower[static_cast<size_t>(block)]; }
 
   // The same, evaluated until it is at_least that or is_exact.
   double RaiseBound(const PoseModel& model, int block, double at_least);
@@ -47,21 +62,21 @@ class NearnessStep {
   void FitRotations(const PoseModel& model, size_t shape);
   void LowerBounds(const PoseModel& model, size_t shape);
 
-  double* Rotations(size_t shape) { return rotations_.data() + shape * shape_planes_; }
+  double* Rotations(size_t shape) { return memory_.rotations.data() + shape * shape_planes_; }
 
-  double* Modes(size_t shape) { return modes_.data() + shape * K * stride_; }
+  double* Modes(size_t shape) { return memory_.modes.data() + shape * K * stride_; }
 
   const SolveKernels& kernels_;
-  size_t shape_planes_, size_, stride_;   // a shape's rotations; rows of [z; -R^T], and padded
-  AlignedVector<double> rotations_;       // planes over groups, shape after shape
+  size_t shape_planes_, size_, stride_;  // a shape's rotations; rows of [z; -R^T], and padded
+  // Rotations: planes over groups, shape after shape. Modes: [z; -R^T of the last group asked for],
+  // [S][K][stride]. Lower: [G*S].
+  Memory memory_;
   AlignedVector<double> last_rotations_;  // one shape's before
-  AlignedVector<double> modes_;           // [z; -R^T of the last group asked for], [S][K][stride]
   AlignedVector<double> last_modes_;      // one shape's before
   AlignedVector<double> gaps_;            // X - C b, [c][K]
   AlignedVector<double> images_;          // one column of C b, then of y, [c]
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
-  std::vector<double> lower_;             // [G*S]
   AlignedVector<double> squares_;         // [G*S][8]: what the rows done add to D
   std::vector<size_t> rows_done_;         // [G*S]: rows of U
   std::vector<uint8_t> failed_;           // [G padded]

@@ -8,6 +8,16 @@ namespace {
 
 constexpr int kMostExtraHolds = 1000;  // of each kind: more is a mistake
 
+Status CheckRoom(const PoseModel& model, const PoseRoom& room) {
+  if (room.grabs >= 0 && room.grabs <= kMostExtraHolds && room.rotations >= 0 &&
+      room.rotations <= kMostExtraHolds) {
+    return {};
+  }
+  return Error(StatusCode::kInvalidArgument,
+               "%s: room for %d grabs and %d rotations; expected 0 to %d of each",
+               model.rig->name().c_str(), room.grabs, room.rotations, kMostExtraHolds);
+}
+
 }  // namespace
 
 PoseState::PoseState(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -18,14 +28,25 @@ PoseState::~PoseState() = default;
 
 Result<PoseState> PoseState::Create(std::shared_ptr<const PoseModel> model, PoseRoom room) {
   if (model == nullptr) return Error(StatusCode::kInvalidArgument, "no pose model was given");
-  if (room.grabs < 0 || room.grabs > kMostExtraHolds || room.rotations < 0 ||
-      room.rotations > kMostExtraHolds) {
+  LIMBER_RETURN_IF_ERROR(CheckRoom(*model, room));
+  return CatchOutOfMemory(model->rig->name(), [&]() -> Result<PoseState> {
+    return PoseState(std::make_unique<Impl>(model, room, nullptr));
+  });
+}
+
+Result<PoseState> PoseState::Create(std::shared_ptr<PoseWorkspaces> workspaces, PoseRoom room) {
+  if (workspaces == nullptr)
+    return Error(StatusCode::kInvalidArgument, "no pose workspaces were given");
+  std::shared_ptr<const PoseModel> model = workspaces->model();
+  LIMBER_RETURN_IF_ERROR(CheckRoom(*model, room));
+  if (!workspaces->HasRoomFor(room)) {
     return Error(StatusCode::kInvalidArgument,
-                 "%s: room for %d grabs and %d rotations; expected 0 to %d of each",
-                 model->rig->name().c_str(), room.grabs, room.rotations, kMostExtraHolds);
+                 "%s: the workspaces have no room for %d grabs and %d rotations%s",
+                 model->rig->name().c_str(), room.grabs, room.rotations,
+                 room.guaranteed ? ", nor ever for the guaranteed mode" : "");
   }
   return CatchOutOfMemory(model->rig->name(), [&]() -> Result<PoseState> {
-    return PoseState(std::make_unique<Impl>(model, room));
+    return PoseState(std::make_unique<Impl>(model, room, std::move(workspaces)));
   });
 }
 

@@ -21,7 +21,8 @@
 
 namespace limber {
 
-class PoseModel;  // pose_model.h
+class PoseModel;       // pose_model.h
+class PoseWorkspaces;  // pose_workspaces.h
 
 struct PoseOptions {
   int iterations = 1;     // alternations of eq. 20 (transforms, blend weights) and 22 (rotations)
@@ -93,6 +94,13 @@ class PoseState {
   // kInvalidArgument (null, room out of range), those of PoseModel::Create, kOutOfMemory.
   static Result<PoseState> Create(std::shared_ptr<const PoseModel> model, PoseRoom room = {});
   static Result<PoseState> Create(std::shared_ptr<const Rig> rig, PoseRoom room = {});
+  // For crowds: a state that keeps only what it has to (for nine handles and six shapes 40 kB in
+  // place of 1 MB) and borrows the rest for each call. Calls allocate where there is something to
+  // make: a Solve as often as more states are solved at once than ever before, or the first time
+  // that this one smooths or limits stretch; the first call that changes what is held. They say
+  // kOutOfMemory then. Results are those of a state of its own, to the bit with rotations, to
+  // rounding without. Errors: kInvalidArgument also where the workspaces have less room.
+  static Result<PoseState> Create(std::shared_ptr<PoseWorkspaces> workspaces, PoseRoom room = {});
   PoseState(PoseState&&) noexcept;
   PoseState& operator=(PoseState&&) noexcept;
   ~PoseState();

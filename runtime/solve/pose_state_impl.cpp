@@ -1,5 +1,7 @@
 #include "solve/pose_state_impl.h"
 
+#include "core/out_of_memory.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -59,36 +61,90 @@ void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transform
   }
 }
 
-std::variant<Unknowns<2>, Unknowns<3>> MakeUnknowns(const PoseModel& model, const HeldPoints& held,
-                                                    bool guaranteed) {
-  if (model.k == 2) return Unknowns<2>(model, held, guaranteed);
-  return Unknowns<3>(model, held, guaranteed);
+std::variant<Unknowns<2>, Unknowns<3>> MakeUnknowns(const PoseModel& model, const PoseRoom& room,
+                                                    const PoseWorkspaces* workspaces) {
+  if (model.k == 2) return Unknowns<2>(model, room, workspaces);
+  return Unknowns<3>(model, room, workspaces);
+}
+
+template <int K>
+std::unique_ptr<MotionSmoother<K>> MakeSmoother(const PoseModel& model) {
+  return std::make_unique<MotionSmoother<K>>(static_cast<size_t>(model.num_groups),
+                                             static_cast<size_t>(model.num_shapes));
 }
 
 }  // namespace
 
-PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom room)
+template <int K>
+Unknowns<K>::Unknowns(const PoseModel& model, const PoseRoom& room,
+                      const PoseWorkspaces* workspaces) {
+  if (workspaces != nullptr) {
+    memory = Alternation<K>::MakeMemory(model);
+    return;
+  }
+  const size_t pins = HeldPoints::Capacity(model, room.grabs, room.rotations);
+  own = std::make_unique<Alternation<K>>(model, pins, static_cast<size_t>(room.rotations));
+  alternation = own.get();
+  if (room.guaranteed) guarded = std::make_unique<TrustRegion<K>>(model, pins);
+  smoother = MakeSmoother<K>(model);
+}
+
+// An alternation with the character's memory in it, while a call goes on.
+template <int K>
+class PoseState::Impl::Lease {
+ public:
+  Lease(PoseWorkspaces* workspaces, Unknowns<K>* unknowns)
+      : workspaces_(workspaces),
+        unknowns_(*unknowns) {
+    if (!unknowns_.is_lent()) return;
+    lent_ = workspaces_->Take<K>();
+    lent_->Exchange(&unknowns_.memory);
+    unknowns_.alternation = lent_.get();
+  }
+
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+
+  ~Lease() {
+    if (lent_ == nullptr) return;
+    lent_->Exchange(&unknowns_.memory);
+    unknowns_.alternation = nullptr;
+    workspaces_->Give(std::move(lent_));
+  }
+
+ private:
+  PoseWorkspaces* workspaces_;
+  Unknowns<K>& unknowns_;
+  std::unique_ptr<Alternation<K>> lent_;
+};
+
+PoseState::Impl::Impl(std::shared_ptr<const PoseModel> shared_model, PoseRoom room,
+                      std::shared_ptr<PoseWorkspaces> workspaces)
     : model(std::move(shared_model)),
-      held(*model, room.grabs, room.rotations),
-      unknowns_(MakeUnknowns(*model, held, room.guaranteed)),
-      stretch_limit_(model->rig->tables().handles.size()) {
+      held(*model, room.grabs, room.rotations, workspaces != nullptr),
+      workspaces_(std::move(workspaces)),
+      unknowns_(MakeUnknowns(*model, room, workspaces_.get())) {
   const RigTables& tables = model->rig->tables();
+  if (workspaces_ == nullptr)
+    stretch_limit_ = std::make_unique<StretchLimit>(tables.handles.size());
   matrices.resize(tables.handles.size() * tables.shape_names.size() * 12);
   ResetToRest();
+}
+
+template <int K>
+void PoseState::Impl::BeginAtRest(Unknowns<K>* unknowns) {
+  const Lease<K> lease(workspaces_.get(), unknowns);
+  Alternation<K>& alternation = *unknowns->alternation;
+  alternation.UsePins(*model->pins);
+  held.StoreTargets(alternation.targets.data(), alternation.turn_targets().data());
+  alternation.ResetToRest(*model);
+  if (unknowns->guarded != nullptr) unknowns->guarded->Forget();
 }
 
 void PoseState::Impl::ResetToRest() {
   held.Reset(*model);
   is_smoothed_ = false;
-  std::visit(
-      [this](auto& unknowns) {
-        unknowns.alternation.UsePins(*model->pins);
-        held.StoreTargets(unknowns.alternation.targets.data(),
-                          unknowns.alternation.turn_targets().data());
-        unknowns.alternation.ResetToRest(*model);
-        if (unknowns.guarded != nullptr) unknowns.guarded->Forget();
-      },
-      unknowns_);
+  std::visit([this](auto& unknowns) { BeginAtRest(&unknowns); }, unknowns_);
   PoseOptions settle;
   settle.iterations = kRestIterations;
   settle.settle_tolerance = kRestTolerance;
@@ -150,31 +206,46 @@ Status PoseState::Impl::Check(const PoseOptions& options) const {
 
 Status PoseState::Impl::Solve(const PoseOptions& options, PoseReport* report) {
   LIMBER_RETURN_IF_ERROR(Check(options));
-  PoseReport result;
-  std::visit(
-      [&](auto& unknowns) {
-        if (options.smoothing > 0 && !is_smoothed_) {
-          unknowns.smoother.Reset(unknowns.alternation.blend(), unknowns.alternation.rotations());
-        }
-        SetTargets(options, &unknowns, &result);
-        Alternate(options, &unknowns, &result);
-        if (report != nullptr) ReportEnergy(options, &unknowns, &result);
-        StageWatch watch(options.measure_stages ? &result.stages : nullptr);
-        Show(options, &unknowns, &result);
-        watch.Lap(&StageTimes::transforms);
-      },
-      unknowns_);
-  if (report != nullptr) *report = result;
-  return {};
+  // What is lent may have to be made.
+  return CatchOutOfMemory(model->rig->name(), [&]() -> Status {
+    PoseReport result;
+    std::visit([&](auto& unknowns) { SolveFor(options, &unknowns, &result, report != nullptr); },
+               unknowns_);
+    if (report != nullptr) *report = result;
+    return {};
+  });
+}
+
+template <int K>
+void PoseState::Impl::SolveFor(const PoseOptions& options, Unknowns<K>* unknowns,
+                               PoseReport* report, bool with_energy) {
+  if (options.smoothing > 0 && unknowns->smoother == nullptr)
+    unknowns->smoother = MakeSmoother<K>(*model);
+  if (options.stretch_limit > 0 && stretch_limit_ == nullptr)
+    stretch_limit_ = std::make_unique<StretchLimit>(model->rig->tables().handles.size());
+  const Lease<K> lease(workspaces_.get(), unknowns);
+  const Alternation<K>& alternation = *unknowns->alternation;
+  if (options.smoothing > 0 && !is_smoothed_)
+    unknowns->smoother->Reset(alternation.blend(), alternation.rotations());
+  SetTargets(options, unknowns, report);
+  Alternate(options, unknowns, report);
+  if (with_energy) ReportEnergy(options, unknowns, report);
+  StageWatch watch(options.measure_stages ? &report->stages : nullptr);
+  Show(options, unknowns, report);
+  watch.Lap(&StageTimes::transforms);
 }
 
 template <int K>
 void PoseState::Impl::SetTargets(const PoseOptions& options, Unknowns<K>* unknowns,
                                  PoseReport* report) {
-  Alternation<K>& alternation = unknowns->alternation;
+  Alternation<K>& alternation = *unknowns->alternation;
   bool pins_changed = false;
   const PinSet& pins = held.Pins(*model, &pins_changed);
-  if (pins_changed) alternation.UsePins(pins);
+  if (unknowns->is_lent()) {
+    alternation.Resume(*model, pins);
+  } else if (pins_changed) {
+    alternation.UsePins(pins);
+  }
   if (pins_changed && unknowns->guarded != nullptr) unknowns->guarded->Forget();
   held.StoreTargets(alternation.targets.data(), alternation.turn_targets().data());
   if (options.stretch_limit == 0) return;
@@ -185,7 +256,8 @@ void PoseState::Impl::SetTargets(const PoseOptions& options, Unknowns<K>* unknow
   problem.num_handles = model->rig->tables().handles.size();
   problem.weights = held.weights();
   problem.limit = options.stretch_limit;
-  const StretchLimit::Outcome outcome = stretch_limit_.Project(problem, alternation.targets.data());
+  const StretchLimit::Outcome outcome =
+      stretch_limit_->Project(problem, alternation.targets.data());
   report->pairs_at_limit = outcome.pairs_at_limit;
   report->excess_stretch = outcome.is_feasible ? 0 : outcome.violation;
 }
@@ -207,14 +279,14 @@ void PoseState::Impl::Alternate(const PoseOptions& options, Unknowns<K>* unknown
     BlendReport convex;
     bool has_moved = true;  // false: a step that was not taken
     if (options.guaranteed) {
-      const auto outcome = unknowns->guarded->Run(*model, settings, &unknowns->alternation);
+      const auto outcome = unknowns->guarded->Run(*model, settings, unknowns->alternation);
       convex = outcome.convex;
       report->change = outcome.change;
       report->rejected += outcome.rejected;
       report->settled = outcome.settled;
       has_moved = outcome.accepted;
     } else {
-      const auto outcome = unknowns->alternation.Run(*model, settings);
+      const auto outcome = unknowns->alternation->Run(*model, settings);
       convex = outcome.convex;
       report->change = outcome.change;
     }
@@ -234,7 +306,7 @@ void PoseState::Impl::ReportEnergy(const PoseOptions& options, Unknowns<K>* unkn
   const double scale = static_cast<double>(model->rig->tables().space.scale);
   const double elastic = options.guaranteed
                              ? unknowns->guarded->elastic()
-                             : unknowns->alternation.ElasticEnergy(*model, &nearness);
+                             : unknowns->alternation->ElasticEnergy(*model, &nearness);
   report->elastic = scale * std::sqrt(elastic);
   report->energy = options.square_roots ? report->elastic + scale * nearness
                                         : scale * scale * (elastic + nearness);
@@ -243,16 +315,16 @@ void PoseState::Impl::ReportEnergy(const PoseOptions& options, Unknowns<K>* unkn
 // The skinning matrices of the solution, or of what follows it smoothly.
 template <int K>
 void PoseState::Impl::Show(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report) {
-  Alternation<K>& alternation = unknowns->alternation;
-  MotionSmoother<K>& smoother = unknowns->smoother;
+  Alternation<K>& alternation = *unknowns->alternation;
+  MotionSmoother<K>* smoother = unknowns->smoother.get();
   is_smoothed_ = options.smoothing > 0;
-  report->at_rest = !is_smoothed_ || smoother.Advance(alternation.blend(), alternation.rotations(),
-                                                      options.smoothing, options.time_step);
+  report->at_rest = !is_smoothed_ || smoother->Advance(alternation.blend(), alternation.rotations(),
+                                                       options.smoothing, options.time_step);
   const AlignedVector<double>* transforms = nullptr;
   if (options.guaranteed) {
     transforms = &unknowns->guarded->Transforms(*model);
   } else if (!report->at_rest) {
-    transforms = &alternation.TransformsOf(*model, smoother.blend(), smoother.rotations());
+    transforms = &alternation.TransformsOf(*model, smoother->blend(), smoother->rotations());
   } else {
     transforms = &alternation.Transforms(*model);
   }
@@ -262,7 +334,7 @@ void PoseState::Impl::Show(const PoseOptions& options, Unknowns<K>* unknowns, Po
 const AlignedVector<double>& PoseState::Impl::blend() const {
   return std::visit(
       [this](const auto& unknowns) -> const AlignedVector<double>& {
-        return is_smoothed_ ? unknowns.smoother.blend() : unknowns.alternation.blend();
+        return is_smoothed_ ? unknowns.smoother->blend() : unknowns.blend();
       },
       unknowns_);
 }

@@ -6,6 +6,7 @@
 #include "solve/motion_smoother.h"
 #include "solve/pose_model.h"
 #include "solve/pose_solver.h"
+#include "solve/pose_workspaces.h"
 #include "solve/stretch_limit.h"
 #include "solve/trust_region.h"
 
@@ -18,19 +19,25 @@ namespace limber {
 // The unknowns of a character of k = K, and who moves them.
 template <int K>
 struct Unknowns {
-  Unknowns(const PoseModel& model, const HeldPoints& held, bool guaranteed)
-      : alternation(model, held.capacity(), held.max_turns()),
-        guarded(guaranteed ? std::make_unique<TrustRegion<K>>(model, held.capacity()) : nullptr),
-        smoother(static_cast<size_t>(model.num_groups), static_cast<size_t>(model.num_shapes)) {}
+  // workspaces: null where the character has an alternation of its own.
+  Unknowns(const PoseModel& model, const PoseRoom& room, const PoseWorkspaces* workspaces);
 
-  Alternation<K> alternation;
-  std::unique_ptr<TrustRegion<K>> guarded;  // null: no room was asked for
-  MotionSmoother<K> smoother;
+  bool is_lent() const { return own == nullptr; }
+
+  const AlignedVector<double>& blend() const { return is_lent() ? memory.blend : own->blend(); }
+
+  std::unique_ptr<Alternation<K>> own;          // null: lent for each call
+  typename Alternation<K>::Memory memory;       // of that one, between the calls
+  Alternation<K>* alternation = nullptr;        // own, or lent while a call goes on
+  std::unique_ptr<TrustRegion<K>> guarded;      // null: no room was asked for
+  std::unique_ptr<MotionSmoother<K>> smoother;  // null: made by the first call that smooths
 };
 
 class PoseState::Impl {
  public:
-  Impl(std::shared_ptr<const PoseModel> model, PoseRoom room);
+  // workspaces: null, or of that model and with that room.
+  Impl(std::shared_ptr<const PoseModel> model, PoseRoom room,
+       std::shared_ptr<PoseWorkspaces> workspaces);
 
   void ResetToRest();
   Status Solve(const PoseOptions& options, PoseReport* report);
@@ -44,6 +51,14 @@ class PoseState::Impl {
  private:
   Status Check(const PoseOptions& options) const;
   template <int K>
+  class Lease;
+
+  template <int K>
+  void BeginAtRest(Unknowns<K>* unknowns);
+  template <int K>
+  void SolveFor(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report,
+                bool with_energy);
+  template <int K>
   void SetTargets(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report);
   template <int K>
   void Alternate(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report) const;
@@ -52,9 +67,10 @@ class PoseState::Impl {
   template <int K>
   void Show(const PoseOptions& options, Unknowns<K>* unknowns, PoseReport* report);
 
+  std::shared_ptr<PoseWorkspaces> workspaces_;
   std::variant<Unknowns<2>, Unknowns<3>> unknowns_;
-  StretchLimit stretch_limit_;
-  bool is_smoothed_ = false;  // as of the last Solve
+  std::unique_ptr<StretchLimit> stretch_limit_;  // null: made by the first call that needs it
+  bool is_smoothed_ = false;                     // as of the last Solve
 };
 
 }  // namespace limber

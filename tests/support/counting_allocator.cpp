@@ -7,6 +7,12 @@
 namespace {
 
 thread_local int64_t allocation_count = 0;
+thread_local int64_t allocated_bytes = 0;
+
+void Count(std::size_t size) {
+  ++allocation_count;
+  allocated_bytes += static_cast<int64_t>(size);
+}
 
 }  // namespace
 
@@ -14,6 +20,11 @@ namespace limber::test {
 int64_t AllocationCount() {
   return allocation_count;
 }
+
+int64_t AllocatedBytes() {
+  return allocated_bytes;
+}
+
 }  // namespace limber::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -21,7 +32,7 @@ int64_t AllocationCount() {
 namespace {
 
 void* CountedAllocate(std::size_t size, std::size_t alignment) {
-  ++allocation_count;
+  Count(size);
   if (size == 0) size = 1;
   void* memory =
       alignment <= alignof(std::max_align_t)
@@ -50,12 +61,12 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
 }
 
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocation_count;
+  Count(size);
   return std::malloc(size == 0 ? 1 : size);
 }
 
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocation_count;
+  Count(size);
   return std::malloc(size == 0 ? 1 : size);
 }
 
@@ -109,32 +120,32 @@ void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
-  ++allocation_count;
+  Count(size);
   return __libc_malloc(size);
 }
 
 void* calloc(std::size_t count, std::size_t size) {
-  ++allocation_count;
+  Count(count * size);
   return __libc_calloc(count, size);
 }
 
 void* realloc(void* memory, std::size_t size) {
-  ++allocation_count;
+  Count(size);
   return __libc_realloc(memory, size);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) {
-  ++allocation_count;
+  Count(size);
   return __libc_memalign(alignment, size);
 }
 
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocation_count;
+  Count(size);
   return __libc_memalign(alignment, size);
 }
 
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  ++allocation_count;
+  Count(size);
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? 12 : 0;  // ENOMEM
 }

@@ -9,4 +9,7 @@ namespace limber::test {
 // those), except under AddressSanitizer, which owns malloc.
 int64_t AllocationCount();
 
+// Bytes asked for by those; what was freed since stays counted.
+int64_t AllocatedBytes();
+
 }  // namespace limber::test

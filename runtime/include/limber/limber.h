@@ -10,7 +10,8 @@
  *
  * Threads: any number of threads may call into a context at once. One instance belongs to one
  * thread at a time; two calls about it must not overlap. Everything else is said at the functions.
- * Those marked [frame] allocate nothing and take no lock while they succeed.
+ * Those marked [frame] allocate nothing and take no lock while they succeed, once what they use has
+ * been made: see limberCreateInstance.
  *
  * Errors: every function that can fail returns a LimberResult and leaves its outputs alone when it
  * does; limberGetLastMessage has one line for people. */
@@ -195,7 +196,11 @@ typedef struct LimberInstanceDef {
 LIMBER_API LimberInstanceDef limberDefaultInstanceDef(void);
 
 /* At rest. Any thread. Takes milliseconds the first time for a rig, later tens of microseconds and
- * what the skin takes. Errors: STALE_ID, INVALID_ARGUMENT, STRUCT_NOT_DEFAULT, OUT_OF_MEMORY. */
+ * what the skin takes. An instance keeps what it has to (for nine handles and six shapes 40 kB) and
+ * borrows the rest of its rig while it is solved. Memory is asked for again by: more solves at once
+ * than ever before; the first call for an instance that changes what is held; its first solve with
+ * smoothing or with a stretch limit. Ask for these before the frames that must not wait. Errors:
+ * STALE_ID, INVALID_ARGUMENT, STRUCT_NOT_DEFAULT, OUT_OF_MEMORY. */
 LIMBER_API LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
                                              const LimberInstanceDef* def,
                                              LimberInstanceId* instance);

@@ -5,6 +5,8 @@
 #include "bake/pack_tables.h"
 #include "rig/rig_fields.h"
 #include "solve/pose_model.h"
+#include "solve/pose_workspaces.h"
+#include "support/counting_allocator.h"
 #include "support/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -52,6 +54,14 @@ TEST(RigCost, AfterABake_SaysWhatItHolds) {
       const double held = static_cast<double>((*model)->bytes() + table_bytes);
       EXPECT_GT(static_cast<double>(baked.cost.model_bytes), 0.5 * held);
       EXPECT_LT(static_cast<double>(baked.cost.model_bytes), 1.2 * held);
+
+      const auto workspaces = std::make_shared<PoseWorkspaces>(*model, PoseRoom());
+      const PoseState first = PoseState::Create(workspaces).value();
+      const int64_t before = test::AllocatedBytes();
+      const PoseState state = PoseState::Create(workspaces).value();
+      const auto kept = static_cast<double>(test::AllocatedBytes() - before);
+      EXPECT_GT(static_cast<double>(baked.cost.character_bytes), 0.6 * kept);
+      EXPECT_LT(static_cast<double>(baked.cost.character_bytes), 1.1 * kept);
     }
   }
 }
