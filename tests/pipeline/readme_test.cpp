@@ -62,6 +62,16 @@ TEST(Readme, LibraryLines_AreTheCompiledOnes) {
   EXPECT_EQ(in_readme, compiled);
 }
 
+// The consumer of the installed package compiles and runs them.
+TEST(Readme, LinesForEngines_AreTheCompiledOnes) {
+  const std::string in_readme = Between(Read(kTop / "README.md"), "```c\n", "```");
+  const std::string compiled =
+      Between(Read(kTop / "tests/runtime/package/consumer/frame.h"),
+              "/* [the README's lines begin] */\n", "\n/* [the README's lines end] */");
+  ASSERT_FALSE(compiled.empty());
+  EXPECT_EQ(in_readme, compiled);
+}
+
 TEST(Readme, LibraryLines_RaiseTheHandle) {
   const TemporaryFolder folder;
   const fs::path baked = BakeSquare(folder.path());

@@ -1,5 +1,5 @@
 /* Drags a character in C: consumer BAKED.glb prints how far the first handle went. */
-#include <limber/limber.h>
+#include "frame.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -19,22 +19,25 @@ int main(int argc, char** argv) {
   LimberInstanceId instance;
   LimberHandleState handle;
   float target[3];
+  Vertex* vertices;
   int frame;
   if (argc < 2) return 2;
   Check(limberCreateContext(&def, &context), context);
   Check(limberLoadRig(context, argv[1], NULL, &rig), context);
   Check(limberGetRigInfo(context, rig, &info), context);
-  Check(limberCreateInstance(context, rig, NULL, &instance), context);
+  Check(Spawn(context, rig, &instance), context);
+  vertices = calloc(info.num_vertices, sizeof *vertices);
+  if (vertices == NULL) return 1;
   Check(limberGetHandle(context, instance, 0, &handle), context);
   target[0] = handle.target[0] + 0.1f * info.diagonal;
   target[1] = handle.target[1];
   target[2] = handle.target[2];
-  Check(limberSetTarget(context, instance, 0, target), context);
   for (frame = 0; frame < 20; ++frame)
-    Check(limberSolve(context, instance, NULL, NULL), context);
+    Check(Frame(context, instance, 0, target, vertices, info.num_vertices), context);
   Check(limberGetHandle(context, instance, 0, &handle), context);
   printf("moved %.3f of the diagonal\n",
          (double)((handle.position[0] + 0.1f * info.diagonal - target[0]) / info.diagonal));
+  free(vertices);
   limberDestroyContext(context);
   return 0;
 }
