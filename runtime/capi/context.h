@@ -6,6 +6,7 @@
 #include "capi/call.h"
 #include "capi/slot_table.h"
 #include "capi/worker_pool.h"
+#include "core/object_pool.h"
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
@@ -21,11 +22,18 @@
 
 namespace limber::capi {
 
+// What skinning needs: of all instances of a rig, and scratch of those that are at it.
+struct SkinShare {
+  std::shared_ptr<const SkinSurface> surface;
+  ObjectPool<CpuSkinner> idle;
+};
+
 // A loaded rig, and what its instances share, made for the first of them.
 struct RigEntry {
   std::shared_ptr<const Rig> rig;
-  std::mutex mutex;  // of the workspaces, while they are made
+  std::mutex mutex;  // of the rest, while it is made
   std::shared_ptr<PoseWorkspaces> workspaces;
+  std::shared_ptr<SkinShare> skins;
 };
 
 // What was asked of one handle beside its target.
@@ -37,15 +45,15 @@ struct HandleWishes {
 };
 
 struct Instance {
-  Instance(const LimberInstanceDef& with, PoseState pose, std::optional<CpuSkinner> skin)
+  Instance(const LimberInstanceDef& with, PoseState pose, std::shared_ptr<SkinShare> skin)
       : def(with),
         state(std::move(pose)),
-        skinner(std::move(skin)),
+        skins(std::move(skin)),
         wishes(static_cast<size_t>(state.rig().num_handles())) {}
 
   LimberInstanceDef def;
   PoseState state;
-  std::optional<CpuSkinner> skinner;
+  std::shared_ptr<SkinShare> skins;  // null: made without room for it
   std::vector<HandleWishes> wishes;  // [H], for another rig to take over
   LimberSolveDef last_solve = limberDefaultSolveDef();
   std::atomic<bool> in_crowd = false;  // a call about many is at it

@@ -23,6 +23,18 @@ Result<std::shared_ptr<PoseWorkspaces>> WorkspacesOf(RigEntry* entry) {
   return entry->workspaces;
 }
 
+Result<std::shared_ptr<SkinShare>> SkinsOf(RigEntry* entry) {
+  const std::lock_guard lock(entry->mutex);
+  if (entry->skins == nullptr) {
+    auto surface = SkinSurface::Create(entry->rig->mesh(), entry->rig->tables().space);
+    if (!surface.ok()) return surface.status();
+    auto skins = std::make_shared<SkinShare>();
+    skins->surface = std::move(surface).value();
+    entry->skins = std::move(skins);
+  }
+  return entry->skins;
+}
+
 PoseOptions OptionsOf(const LimberSolveDef& def) {
   PoseOptions options;
   options.iterations = def.iterations;
@@ -58,7 +70,7 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.positions, "positions", sizeof(Vec3)));
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.normals, "normals", sizeof(Vec3)));
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.tangents, "tangents", sizeof(Tangent)));
-  if (!instance.skinner.has_value()) {
+  if (instance.skins == nullptr) {
     return {LIMBER_ERROR_UNSUPPORTED,
             "the instance was made without room for it (LimberInstanceDef::skin)"};
   }
@@ -81,13 +93,13 @@ CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
   auto state = (*shared)->HasRoomFor(room) ? PoseState::Create(*shared, room)
                                            : PoseState::Create((*shared)->model(), room);
   if (!state.ok()) return state.status();
-  std::optional<CpuSkinner> skinner;
+  std::shared_ptr<SkinShare> skins;
   if (def.skin != 0) {
-    auto made = CpuSkinner::Create(entry->rig->mesh(), entry->rig->tables().space);
+    auto made = SkinsOf(entry);
     if (!made.ok()) return made.status();
-    skinner = std::move(made).value();
+    skins = std::move(made).value();
   }
-  *instance = std::make_unique<Instance>(def, std::move(state).value(), std::move(skinner));
+  *instance = std::make_unique<Instance>(def, std::move(state).value(), std::move(skins));
   return {};
 }
 
@@ -107,14 +119,21 @@ CallStatus SkinInstance(const LimberSkinDef* def, Instance* instance) {
   LimberSkinDef full = limberDefaultSkinDef();
   LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberSkinDef", &full));
   LIMBER_RETURN_IF_FAILED(CheckSkinDef(full, *instance));
+  std::unique_ptr<CpuSkinner> skinner = instance->skins->idle.Take();
+  if (skinner == nullptr) {
+    auto made = CpuSkinner::Create(instance->skins->surface);
+    if (!made.ok()) return made.status();
+    skinner = std::make_unique<CpuSkinner>(std::move(made).value());
+  }
   const bool with_frames = full.normals.data != nullptr || full.tangents.data != nullptr;
   const SkinTransforms transforms = instance->state.transforms();
-  LIMBER_RETURN_IF_FAILED(with_frames ? instance->skinner->Skin(transforms)
-                                      : instance->skinner->SkinPositionsOnly(transforms));
-  const DeformedMesh mesh = instance->skinner->result();
+  LIMBER_RETURN_IF_FAILED(with_frames ? skinner->Skin(transforms)
+                                      : skinner->SkinPositionsOnly(transforms));
+  const DeformedMesh mesh = skinner->result();
   Write(mesh.positions, full.positions);
   Write(mesh.normals, full.normals);
   Write(mesh.tangents, full.tangents);
+  instance->skins->idle.Give(std::move(skinner));
   return {};
 }
 

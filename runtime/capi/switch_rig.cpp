@@ -51,7 +51,7 @@ CallStatus Switch(RigEntry* entry, Instance* instance) {
   }
   Settle(instance->last_solve, next.get());
   instance->state = std::move(next->state);
-  instance->skinner = std::move(next->skinner);
+  instance->skins = std::move(next->skins);
   instance->wishes = std::move(next->wishes);
   return {};
 }

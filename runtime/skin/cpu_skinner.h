@@ -10,6 +10,7 @@
 #include "skin/skin_topology.h"
 #include "skin/skin_transforms.h"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,10 +28,23 @@ struct DeformedMesh {
                                           // has no tangents an arbitrary one
 };
 
-// Owns what one character needs; one thread at a time.
+// What all characters of a rig share: weights and shapes as skinning reads them, and the surface.
+struct SkinSurface {
+  // Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
+  static Result<std::shared_ptr<const SkinSurface>> Create(const SkinMesh& mesh,
+                                                           const RigSpace& space);
+
+  SkinLayout layout;
+  SkinTopology topology;
+};
+
+// Owns the results, of one character at a time; one thread at a time.
 class CpuSkinner {
  public:
-  // Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
+  // Errors: kInvalidArgument (null), kOutOfMemory.
+  static Result<CpuSkinner> Create(std::shared_ptr<const SkinSurface> surface);
+  // With a surface of its own. Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh),
+  // kOutOfMemory.
   static Result<CpuSkinner> Create(const SkinMesh& mesh, const RigSpace& space);
 
   // Positions only. Allocates nothing. Errors: kInvalidArgument (wrong number of matrices).
@@ -41,13 +55,12 @@ class CpuSkinner {
   // The result of the last call; normals and tangents that of the last Skin.
   DeformedMesh result() const;
 
-  const SkinTopology& topology() const { return topology_; }
+  const SkinTopology& topology() const { return surface_->topology; }
 
  private:
   CpuSkinner() = default;
 
-  SkinLayout layout_;
-  SkinTopology topology_;
+  std::shared_ptr<const SkinSurface> surface_;
   std::vector<Vec3> relative_;  // [V] without the origin: edges keep their digits
   std::vector<Vec3> solve_positions_, positions_, normals_;
   std::vector<SurfaceFrame> frames_;  // [G]

@@ -11,12 +11,12 @@ PoseWorkspaces::PoseWorkspaces(std::shared_ptr<const PoseModel> model, PoseRoom 
       most_(most) {}
 
 template <>
-AlternationPool<2>& PoseWorkspaces::Pool() {
+ObjectPool<Alternation<2>>& PoseWorkspaces::Pool() {
   return flat_;
 }
 
 template <>
-AlternationPool<3>& PoseWorkspaces::Pool() {
+ObjectPool<Alternation<3>>& PoseWorkspaces::Pool() {
   return solid_;
 }
 

@@ -3,53 +3,14 @@
 // tenth of the memory, and the scratch of each thread stays in its caches.
 #pragma once
 
+#include "core/object_pool.h"
 #include "solve/alternation.h"
 #include "solve/pose_model.h"
 #include "solve/pose_solver.h"
 
-#include <array>
-#include <atomic>
 #include <memory>
 
 namespace limber {
-
-// Those that nobody uses at the moment. Any number of threads; no lock.
-template <int K>
-class AlternationPool {
- public:
-  AlternationPool() = default;
-  AlternationPool(const AlternationPool&) = delete;
-  AlternationPool& operator=(const AlternationPool&) = delete;
-
-  ~AlternationPool() {
-    for (std::atomic<Alternation<K>*>& slot : slots_)
-      delete slot.load(std::memory_order_acquire);
-  }
-
-  // One that was given back, or null.
-  std::unique_ptr<Alternation<K>> Take() {
-    for (std::atomic<Alternation<K>*>& slot : slots_) {
-      if (slot.load(std::memory_order_relaxed) == nullptr) continue;
-      if (Alternation<K>* found = slot.exchange(nullptr, std::memory_order_acquire))
-        return std::unique_ptr<Alternation<K>>(found);
-    }
-    return nullptr;
-  }
-
-  void Give(std::unique_ptr<Alternation<K>> alternation) {
-    for (std::atomic<Alternation<K>*>& slot : slots_) {
-      Alternation<K>* none = nullptr;
-      if (slot.compare_exchange_strong(none, alternation.get(), std::memory_order_release,
-                                       std::memory_order_relaxed)) {
-        (void)alternation.release();
-        return;
-      }
-    }
-  }
-
- private:
-  std::array<std::atomic<Alternation<K>*>, 64> slots_ = {};  // more threads: the rest is made anew
-};
 
 class PoseWorkspaces {
  public:
@@ -72,12 +33,12 @@ class PoseWorkspaces {
 
  private:
   template <int K>
-  AlternationPool<K>& Pool();
+  ObjectPool<Alternation<K>>& Pool();
 
   std::shared_ptr<const PoseModel> model_;
   PoseRoom most_;
-  AlternationPool<2> flat_;
-  AlternationPool<3> solid_;
+  ObjectPool<Alternation<2>> flat_;
+  ObjectPool<Alternation<3>> solid_;
 };
 
 }  // namespace limber

@@ -189,16 +189,16 @@ typedef struct LimberInstanceDef {
   uint32_t cookie, struct_size;
   int32_t max_rotations; /* handles that may have a target rotation at once (4) */
   int32_t guaranteed;    /* 1: room for LimberSolveDef::guaranteed (0) */
-  int32_t skin;          /* 1: room for limberSkin (1) */
+  int32_t skin;          /* 1: limberSkin may be called (1) */
   int32_t max_grabs;     /* points of the skin that may be held at once (4) */
 } LimberInstanceDef;
 
 LIMBER_API LimberInstanceDef limberDefaultInstanceDef(void);
 
-/* At rest. Any thread. Takes milliseconds the first time for a rig, later tens of microseconds and
- * what the skin takes. An instance keeps what it has to (for nine handles and six shapes 40 kB) and
- * borrows the rest of its rig while it is solved. Memory is asked for again by: more solves at once
- * than ever before; the first call for an instance that changes what is held; its first solve with
+/* At rest. Any thread. Takes milliseconds the first time for a rig, later tens of microseconds. An
+ * instance keeps what it has to (for nine handles and six shapes 40 kB) and borrows the rest of its
+ * rig while it is solved or skinned. Memory is asked for again by: more solves or skins at once than
+ * ever before; the first call for an instance that changes what is held; its first solve with
  * smoothing or with a stretch limit. Ask for these before the frames that must not wait. Errors:
  * STALE_ID, INVALID_ARGUMENT, STRUCT_NOT_DEFAULT, OUT_OF_MEMORY. */
 LIMBER_API LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,

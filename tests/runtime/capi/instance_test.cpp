@@ -4,6 +4,7 @@
 #include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
+#include "support/counting_allocator.h"
 
 #include <cstring>
 #include <thread>
@@ -124,6 +125,55 @@ TEST_F(CapiTest, ResetToRest_IsTheRestPose) {
   for (size_t v = 0; v < before.size(); ++v) {
     for (int i = 0; i < 3; ++i)
       EXPECT_NEAR(after[v].position[i], before[v].position[i], 1e-4f * info_.diagonal);
+  }
+}
+
+// Weights, shapes and the solver's scratch are the rig's: an instance is a small thing beside them.
+TEST_F(CapiTest, AnotherInstance_TakesLittle) {
+  std::vector<HostVertex> vertices(info_.num_vertices);
+  const LimberSkinDef skin = SkinInto(&vertices);
+  ASSERT_EQ(limberSkin(context_, instance_, &skin), LIMBER_SUCCESS);
+  ASSERT_EQ(limberSolve(context_, instance_, nullptr, nullptr), LIMBER_SUCCESS);
+  const int64_t before = AllocatedBytes();
+  LimberInstanceId other;
+  ASSERT_EQ(limberCreateInstance(context_, rig_, nullptr, &other), LIMBER_SUCCESS);
+  ASSERT_EQ(limberSolve(context_, other, nullptr, nullptr), LIMBER_SUCCESS);
+  ASSERT_EQ(limberSkin(context_, other, &skin), LIMBER_SUCCESS);
+  EXPECT_LE(AllocatedBytes() - before, 16 * 1024);
+  const int64_t count = AllocationCount();
+  for (int frame = 0; frame < 10; ++frame) {
+    const float target[] = {0.01f * float(frame) * info_.diagonal, 0, 0};
+    for (const LimberInstanceId instance : {instance_, other}) {
+      ASSERT_EQ(limberSetTarget(context_, instance, 0, target), LIMBER_SUCCESS);
+      ASSERT_EQ(limberSolve(context_, instance, nullptr, nullptr), LIMBER_SUCCESS);
+      ASSERT_EQ(limberSkin(context_, instance, &skin), LIMBER_SUCCESS);
+    }
+  }
+  EXPECT_EQ(AllocationCount() - count, 0);
+}
+
+// The leak sanitizer looks at what this leaves behind.
+TEST(CapiCycles, CreatedAndDestroyedAgainAndAgain_LeaveNothing) {
+  const std::vector<char> file = ReadBytes(BakedTube());
+  for (int cycle = 0; cycle < 30; ++cycle) {
+    LimberContextDef def = limberDefaultContextDef();
+    def.num_threads = 2;
+    LimberContext* context = nullptr;
+    ASSERT_EQ(limberCreateContext(&def, &context), LIMBER_SUCCESS);
+    LimberRigId rig;
+    ASSERT_EQ(limberLoadRigFromMemory(context, file.data(), file.size(), "tube", nullptr, &rig),
+              LIMBER_SUCCESS);
+    std::vector<LimberInstanceId> instances(4);
+    for (LimberInstanceId& instance : instances)
+      ASSERT_EQ(limberCreateInstance(context, rig, nullptr, &instance), LIMBER_SUCCESS);
+    ASSERT_EQ(limberSolveMany(context, instances.data(), 4, nullptr, nullptr, nullptr),
+              LIMBER_SUCCESS);
+    if (cycle % 2 == 0) {  // else all goes with the context
+      ASSERT_EQ(limberDestroyRig(context, rig), LIMBER_SUCCESS);
+      for (const LimberInstanceId instance : instances)
+        ASSERT_EQ(limberDestroyInstance(context, instance), LIMBER_SUCCESS);
+    }
+    limberDestroyContext(context);
   }
 }
 

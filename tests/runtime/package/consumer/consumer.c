@@ -1,5 +1,6 @@
 /* Drags a character in C: consumer BAKED.glb prints how far the first handle went. */
 #include "frame.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
