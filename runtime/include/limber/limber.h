@@ -197,8 +197,8 @@ LIMBER_API LimberInstanceDef limberDefaultInstanceDef(void);
 
 /* At rest. Any thread. Takes milliseconds the first time for a rig, later tens of microseconds. An
  * instance keeps what it has to (for nine handles and six shapes 40 kB) and borrows the rest of its
- * rig while it is solved or skinned. Memory is asked for again by: more solves or skins at once than
- * ever before; the first call for an instance that changes what is held; its first solve with
+ * rig while it is solved or skinned. Memory is asked for again by: more solves or skins at once
+ * than ever before; the first call for an instance that changes what is held; its first solve with
  * smoothing or with a stretch limit. Ask for these before the frames that must not wait. Errors:
  * STALE_ID, INVALID_ARGUMENT, STRUCT_NOT_DEFAULT, OUT_OF_MEMORY. */
 LIMBER_API LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
