@@ -16,8 +16,8 @@ namespace {
 // Bits of energies below the largest: as single precision has them, and more where the examples are
 // so alike that what tells them apart would be lost.
 constexpr int kLeastEnergyBits = 23, kMostEnergyBits = 27;
-constexpr int kDifferenceBits =
-    19;  // below the largest difference of the example that differs least
+// Below the largest difference of the example that differs least.
+constexpr int kDifferenceBits = 19;
 constexpr int kTransformBits = 24;
 constexpr int kExact = 0;  // whole numbers
 
@@ -143,9 +143,7 @@ Status CheckNumbers(const RigTables& tables, const LocalGroupFactors& local) {
   Status status;
   VisitRigTables(tables, [&](const char* name, const std::vector<float>& table,
                              const std::vector<int64_t>& shape) {
-    int64_t count = 1;
-    for (const int64_t size : shape)
-      count *= size;
+    const int64_t count = NumElements(shape);
     const bool may_be_absent = FirstVersionOfTable(name) > kOldestRigFormatVersion;
     if (status.ok() && !(table.empty() && may_be_absent)) status = CheckTable(name, table, count);
   });

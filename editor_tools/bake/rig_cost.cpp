@@ -14,10 +14,7 @@ uint64_t NumTableFloats(const RigTables& tables) {
   uint64_t count = 0;
   VisitRigTables(
       tables, [&count](const char*, const std::vector<float>&, const std::vector<int64_t>& shape) {
-        int64_t product = 1;
-        for (const int64_t extent : shape)
-          product *= extent;
-        count += static_cast<uint64_t>(product);
+        count += static_cast<uint64_t>(NumElements(shape));
       });
   return count;
 }

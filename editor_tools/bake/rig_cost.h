@@ -33,9 +33,9 @@ RigSize SizeOf(const RigTables& tables, int64_t num_vertices, int64_t num_draw_v
 
 // Before the bake num_modes, r, is not known: the bytes are then upper bounds, reached where
 // nothing in the examples is linearly dependent and nothing is small. With tables, table_bytes is
-// what they take in the file (pack_tables.h). alternation_seconds is a fit to
-// measurements (tests/benchmarks/README.md): a desktop core of 2023 that has its caches to itself,
-// to a factor of two.
+// what they take in the file (pack_tables.h). alternation_seconds is a fit to measurements
+// (tests/benchmarks/README.md): a desktop core of 2023 that has its caches to itself, to a factor
+// of two.
 RigCost EstimateCost(const RigSize& size);
 RigCost EstimateCost(const RigTables& tables, uint64_t table_bytes, int64_t num_vertices,
                      int64_t num_draw_vertices);

@@ -87,13 +87,11 @@ void AppendTransforms(const Eigen::MatrixXd& transforms, Eigen::Index k, Eigen::
   }
 }
 
-// The modes may be turned among each other at will. So turned, most of their transforms are zero
-// and take no room in the file.
-void TurnToTriangle(ModeBasis* basis) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(basis->transforms.transpose());
-  const Eigen::MatrixXd turn = qr.householderQ();
-  basis->transforms *= turn;
-  basis->shapes *= turn;
+// The modes may be turned among each other at will. Turned by this, r x r orthogonal, most of their
+// transforms are zero and take no room in the file.
+Eigen::MatrixXd TurnToTriangle(const Eigen::MatrixXd& transforms) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(transforms.transpose());
+  return qr.householderQ();
 }
 
 // Of shape s, with r1 modes, of which the last stay zero where the shape has fewer.
@@ -105,16 +103,15 @@ SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Ind
       ComputeModeBasis(SkinningMatrix(*input.weights, &(*input.shapes)[s], 1), *input.laplacian, 1);
   tables.status = basis.status();
   if (!basis.ok()) return tables;
-  TurnToTriangle(&*basis);
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(input.weights->rows(), r1);
-  modes.leftCols(basis->shapes.cols()) = basis->shapes;
+  const Eigen::MatrixXd turn = TurnToTriangle(basis->transforms);
   for (int vertex : *input.handle_vertices) {
+    const Eigen::RowVectorXd modes = basis->shapes.row(vertex) * turn;
     tables.handle_modes.push_back(1);
     for (Eigen::Index mode = 0; mode < r1; ++mode) {
-      tables.handle_modes.push_back(static_cast<float>(modes(vertex, mode)));
+      tables.handle_modes.push_back(mode < modes.size() ? static_cast<float>(modes[mode]) : 0);
     }
   }
-  AppendTransforms(basis->transforms, k, r1, &tables.mode_transforms);
+  AppendTransforms(basis->transforms * turn, k, r1, &tables.mode_transforms);
   const float* flags = group_handles.data();
   for (const GroupTensors& group : *input.groups) {
     AppendPacked(LocalFactor(input, group, s, flags), &tables.local_factors);

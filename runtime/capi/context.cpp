@@ -48,6 +48,12 @@ CallStatus NullArgument(const char* name) {
   return {LIMBER_ERROR_INVALID_ARGUMENT, std::string(name) + ": is null"};
 }
 
+CallStatus CheckHandle(const Rig& rig, int32_t handle) {
+  if (handle >= 0 && handle < rig.num_handles()) return {};
+  return {LIMBER_ERROR_INVALID_ARGUMENT,
+          "handle " + std::to_string(handle) + ": there are " + std::to_string(rig.num_handles())};
+}
+
 CallStatus StaleId(const char* what, uint32_t index, uint32_t generation) {
   return {LIMBER_ERROR_STALE_ID, std::string(what) + " " + std::to_string(index) + "." +
                                      std::to_string(generation) + ": is gone, or never was"};

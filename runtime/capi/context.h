@@ -74,6 +74,7 @@ struct LimberContext {
 namespace limber::capi {
 
 CallStatus NullArgument(const char* name);
+CallStatus CheckHandle(const Rig& rig, int32_t handle);
 CallStatus StaleId(const char* what, uint32_t index, uint32_t generation);
 
 // The context's own threads, made when they are first asked for (std::bad_alloc).

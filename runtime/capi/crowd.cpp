@@ -16,8 +16,7 @@ struct Crowd {
   const LimberSolveDef* solve = nullptr;  // read already
   LimberSolveReport* reports = nullptr;
   const LimberSkinDef* skins = nullptr;
-  std::atomic<uint32_t> num_failed = 0;
-  std::atomic<LimberResult> failure = LIMBER_SUCCESS;
+  std::atomic<LimberResult> failure = LIMBER_SUCCESS;  // the first
 };
 
 CallStatus SolveOne(const Crowd& crowd, uint32_t i, Instance* instance) {
@@ -41,7 +40,6 @@ void Round(void* data, uint32_t i) {
   if (result == LIMBER_SUCCESS) return;
   LimberResult none = LIMBER_SUCCESS;
   crowd.failure.compare_exchange_strong(none, result, std::memory_order_relaxed);
-  crowd.num_failed.fetch_add(1, std::memory_order_relaxed);
 }
 
 void Unmark(const Crowd& crowd, uint32_t count) {
@@ -86,13 +84,14 @@ template <DoOne kDoOne>
 LimberResult RunCrowd(Crowd* crowd, uint32_t count) {
   const LimberResult begun = Call(crowd->context, crowd->function, [&]() -> CallStatus {
     LIMBER_RETURN_IF_FAILED(CheckCrowd(*crowd, count));
+    // Made here, where a failure to is caught.
     if (crowd->context->def.run_tasks == nullptr) Workers(crowd->context);
     return Mark(*crowd, count);
   });
   if (begun != LIMBER_SUCCESS) return begun;
   RunRounds(crowd->context, Round<kDoOne>, crowd, count);
   Unmark(*crowd, count);
-  return crowd->num_failed == 0 ? LIMBER_SUCCESS : crowd->failure.load();
+  return crowd->failure.load(std::memory_order_relaxed);
 }
 
 }  // namespace

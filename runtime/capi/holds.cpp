@@ -20,12 +20,6 @@ CallStatus ToSkinPoint(const LimberSkinPoint* point, const Rig& rig, SkinPoint* 
   return CheckSkinPoint(rig, *to);
 }
 
-CallStatus CheckHandle(const Rig& rig, int32_t handle) {
-  if (handle >= 0 && handle < rig.num_handles()) return {};
-  return {LIMBER_ERROR_INVALID_ARGUMENT,
-          "handle " + std::to_string(handle) + ": there are " + std::to_string(rig.num_handles())};
-}
-
 void Put(const Vec3& from, float to[3]) {
   to[0] = from.x;
   to[1] = from.y;

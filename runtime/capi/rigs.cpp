@@ -26,12 +26,6 @@ CallStatus Keep(Result<std::shared_ptr<const Rig>> loaded, LimberContext* contex
   return {};
 }
 
-CallStatus CheckHandle(const Rig& rig, int32_t handle) {
-  if (handle >= 0 && handle < rig.num_handles()) return {};
-  return {LIMBER_ERROR_INVALID_ARGUMENT,
-          "handle " + std::to_string(handle) + ": there are " + std::to_string(rig.num_handles())};
-}
-
 std::string NamesOf(const Rig& rig) {
   std::string names;
   for (const RigHandle& handle : rig.tables().handles)

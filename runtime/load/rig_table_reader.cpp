@@ -24,9 +24,7 @@ bool Has(const RigJson& rig, const char* name) {
 
 // The count that `shape` asks for. Sizes are below 2^23 each and few (rig_json.h).
 Result<int64_t> CountOf(const GltfFile& file, const char* name, const std::vector<int64_t>& shape) {
-  int64_t count = 1;
-  for (const int64_t size : shape)
-    count *= size;
+  const int64_t count = NumElements(shape);
   if (static_cast<uint64_t>(count) <= file.limits().max_table_numbers) return count;
   return Status(StatusCode::kLimitExceeded, Place(name) + ": " + std::to_string(count) +
                                                 " numbers, the limit is " +

@@ -132,10 +132,7 @@ Status CheckTables(const RigTables& tables) {
                                    const std::vector<int64_t>& shape) {
     if (!status.ok()) return;
     if (table.empty() && FirstVersionOfTable(name) > kOldestRigFormatVersion) return;
-    int64_t expected = 1;
-    for (int64_t length : shape)
-      expected *= length;
-    status = CheckSize(name, table.size(), static_cast<size_t>(expected));
+    status = CheckSize(name, table.size(), static_cast<size_t>(NumElements(shape)));
     if (status.ok()) status = CheckFinite(name, table.data(), table.size());
   });
   if (!status.ok()) return status;

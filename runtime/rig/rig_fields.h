@@ -40,6 +40,14 @@ inline int FirstVersionOfTable(std::string_view name) {
   return name == "singleModeTransforms" || name == "handleReach" ? 2 : 1;
 }
 
+// The number of elements of a table of that shape.
+inline int64_t NumElements(const std::vector<int64_t>& shape) {
+  int64_t count = 1;
+  for (const int64_t size : shape)
+    count *= size;
+  return count;
+}
+
 // Calls visit(name, table, shape) for each float table; shape is the declared dimensions, whose
 // product is the element count. `Tables` is RigTables or const RigTables.
 template <class Tables, class Visitor>

@@ -64,7 +64,8 @@ void Alternation<K>::Resume(const PoseModel& model, const PinSet& pins) {
   const bool has_product = memory_.has_product;
   UsePins(pins);
   ElasticForm<K> form = Form(model);
-  form.TakeRotations();
+  if (are_identity_) form.TakeRotations();  // else the next rotations will be taken
+  memory_.has_active = false;
   form.UseBlend(blend_.data());
   memory_.has_product = has_product;
 }

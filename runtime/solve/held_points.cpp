@@ -161,7 +161,7 @@ Status HeldPoints::SetTarget(const Rig& rig, int handle, Vec3 position) {
   Point& point = handles_[static_cast<size_t>(handle)];
   if (!point.held) {
     return Error(StatusCode::kInvalidArgument,
-                 "%s: handle '%s' is free and takes no target; pin it first (SetPinned), or bake "
+                 "%s: handle '%s' is free and takes no target; pin it first (Pin), or bake "
                  "it as pinned",
                  rig.name().c_str(), NameOf(rig, handle));
   }

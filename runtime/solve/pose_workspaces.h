@@ -1,6 +1,6 @@
 // Alternations that many characters of one rig use in turn. An alternation is mostly scratch
-// memory; what a character has to keep is a tenth of it (Alternation::Memory). So a crowd takes a
-// tenth of the memory, and the scratch of each thread stays in its caches.
+// memory; what a character has to keep is a small part of it (Alternation::Memory). So a crowd
+// takes little memory, and the scratch of each thread stays in its caches.
 #pragma once
 
 #include "core/object_pool.h"

@@ -39,28 +39,45 @@ inline void Check(LimberResult result, const LimberContext* context) {
 using Point = std::array<float, 3>;
 using Quaternion = std::array<float, 4>;  // x, y, z, w
 
-// One character in the scene. Its context must outlive it.
-class Instance {
+// Holds an id, and ends it. Its context must outlive it.
+template <class Id, LimberResult (*kDestroy)(LimberContext*, Id)>
+class Owned {
  public:
-  Instance() = default;
+  Owned() = default;
 
-  Instance(LimberContext* context, LimberRigId rig, const LimberInstanceDef* def = nullptr)
-      : context_(context) {
-    Check(limberCreateInstance(context, rig, def, &id_), context);
-  }
+  Owned(LimberContext* context, Id id) noexcept : context_(context), id_(id) {}
 
-  Instance(Instance&& other) noexcept { Swap(other); }
+  Owned(Owned&& other) noexcept { Swap(other); }
 
-  Instance& operator=(Instance&& other) noexcept {
+  Owned& operator=(Owned&& other) noexcept {
     Swap(other);
     return *this;
   }
 
-  ~Instance() {
-    if (context_ != nullptr) limberDestroyInstance(context_, id_);
+  ~Owned() {
+    if (context_ != nullptr) kDestroy(context_, id_);
   }
 
-  LimberInstanceId id() const noexcept { return id_; }
+  Id id() const noexcept { return id_; }
+
+ protected:
+  LimberContext* context_ = nullptr;
+  Id id_ = {0, 0};
+
+ private:
+  void Swap(Owned& other) noexcept {
+    std::swap(context_, other.context_);
+    std::swap(id_, other.id_);
+  }
+};
+
+// One character in the scene.
+class Instance : public Owned<LimberInstanceId, limberDestroyInstance> {
+ public:
+  Instance() = default;
+
+  Instance(LimberContext* context, LimberRigId rig, const LimberInstanceDef* def = nullptr)
+      : Owned(context, Create(context, rig, def)) {}
 
   void SwitchRig(LimberRigId rig) { Check(limberSwitchRig(context_, id_, rig), context_); }
 
@@ -124,34 +141,18 @@ class Instance {
   void Skin(const LimberSkinDef& def) { Check(limberSkin(context_, id_, &def), context_); }
 
  private:
-  void Swap(Instance& other) noexcept {
-    std::swap(context_, other.context_);
-    std::swap(id_, other.id_);
+  static LimberInstanceId Create(LimberContext* context, LimberRigId rig,
+                                 const LimberInstanceDef* def) {
+    LimberInstanceId id = {0, 0};
+    Check(limberCreateInstance(context, rig, def, &id), context);
+    return id;
   }
-
-  LimberContext* context_ = nullptr;
-  LimberInstanceId id_ = {0, 0};
 };
 
-// A loaded character. Its context must outlive it; its instances need not end before it.
-class Rig {
+// A loaded character. Its instances need not end before it.
+class Rig : public Owned<LimberRigId, limberDestroyRig> {
  public:
-  Rig() = default;
-
-  Rig(LimberContext* context, LimberRigId id) noexcept : context_(context), id_(id) {}
-
-  Rig(Rig&& other) noexcept { Swap(other); }
-
-  Rig& operator=(Rig&& other) noexcept {
-    Swap(other);
-    return *this;
-  }
-
-  ~Rig() {
-    if (context_ != nullptr) limberDestroyRig(context_, id_);
-  }
-
-  LimberRigId id() const noexcept { return id_; }
+  using Owned::Owned;
 
   LimberRigInfo Info() const {
     LimberRigInfo info = {};
@@ -174,15 +175,6 @@ class Rig {
   Instance MakeInstance(const LimberInstanceDef* def = nullptr) const {
     return Instance(context_, id_, def);
   }
-
- private:
-  void Swap(Rig& other) noexcept {
-    std::swap(context_, other.context_);
-    std::swap(id_, other.id_);
-  }
-
-  LimberContext* context_ = nullptr;
-  LimberRigId id_ = {0, 0};
 };
 
 class Context {
