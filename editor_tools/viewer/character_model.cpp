@@ -16,7 +16,7 @@ Status FillBuffer(const VulkanDevice& device, const std::vector<T>& values,
   LIMBER_RETURN_IF_ERROR(
       buffer->Create(device.api(), std::max<size_t>(bytes, 16), usage, kUploadMemory));
   if (bytes > 0) std::memcpy(buffer->mapped(), values.data(), bytes);
-  return buffer->Flush();
+  return {};
 }
 
 }  // namespace
@@ -43,17 +43,16 @@ Result<std::unique_ptr<CharacterModel>> CharacterModel::Create(
 Status CharacterModel::CreateSkinner(const CharacterSource& source, uint32_t frames_in_flight) {
   VulkanSkinnerOptions options;
   options.frames_in_flight = frames_in_flight;
-  Result<std::unique_ptr<VulkanSkinner>> skinner =
-      VulkanSkinner::Create(device_->host(), *source.mesh, source.space, options);
+  Result<std::unique_ptr<VulkanSkinner>> skinner = VulkanSkinner::Create(device_->host(), options);
   if (!skinner.ok()) return skinner.status();
   skinner_ = std::move(*skinner);
-  LIMBER_RETURN_IF_ERROR(device_->SubmitAndWait(
-      [this](VkCommandBuffer commands) { skinner_->RecordUpload(commands); }));
-  skinner_->ReleaseStaging();
-  Result<std::unique_ptr<VulkanSkinInstance>> instance = skinner_->CreateInstance();
-  if (!instance.ok()) return instance.status();
-  instance_ = std::move(*instance);
-  return {};
+  const Result<const VulkanSkinRig*> rig = skinner_->AddRig(*source.mesh, source.space);
+  if (!rig.ok()) return rig.status();
+  rig_ = *rig;
+  num_vertices_ = source.mesh->num_draw_vertices;
+  return vertices_.Create(
+      device_->api(), VkDeviceSize{frames_in_flight} * num_vertices_ * sizeof(SkinnedVertex),
+      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, kDeviceMemory);
 }
 
 Status CharacterModel::CreateMesh(const SkinMesh& mesh) {
@@ -179,15 +178,25 @@ Status CharacterModel::WriteSet(const CharacterDraw& draw) {
   return {};
 }
 
+VertexStream CharacterModel::Stream(uint32_t frame, size_t offset) const {
+  return {vertices_.handle(), VkDeviceSize{frame} * num_vertices_ * sizeof(SkinnedVertex) + offset,
+          sizeof(SkinnedVertex)};
+}
+
 Status CharacterModel::RecordSkin(VkCommandBuffer commands, uint32_t frame,
                                   const SkinTransforms& transforms) {
-  return skinner_->Record(commands, instance_.get(), frame, transforms, {});
+  VulkanSkinJob job;
+  job.rig = rig_;
+  job.transforms = transforms;
+  job.positions = Stream(frame, offsetof(SkinnedVertex, position));
+  job.normals = Stream(frame, offsetof(SkinnedVertex, normal));
+  job.tangents = Stream(frame, offsetof(SkinnedVertex, tangent));
+  return skinner_->Record(commands, frame, {&job, 1}, {});
 }
 
 void CharacterModel::Bind(VkCommandBuffer commands, uint32_t frame) const {
-  const SkinnedVertices skinned = instance_->vertices(frame);
-  const VkBuffer buffers[2] = {skinned.buffer, texcoords_.handle()};
-  const VkDeviceSize offsets[2] = {skinned.offset, 0};
+  const VkBuffer buffers[2] = {vertices_.handle(), texcoords_.handle()};
+  const VkDeviceSize offsets[2] = {Stream(frame, 0).offset, 0};
   vkCmdBindVertexBuffers(commands, 0, 2, buffers, offsets);
   vkCmdBindIndexBuffer(commands, indices_.handle(), 0, VK_INDEX_TYPE_UINT32);
 }

@@ -13,6 +13,13 @@
 
 namespace limber::viewer {
 
+// One vertex as skinning writes it; attribute formats in brackets.
+struct SkinnedVertex {
+  float position[3];  // mesh space                           [R32G32B32_SFLOAT]
+  float normal[3];    // unit                                 [R32G32B32_SFLOAT]
+  float tangent[4];   // unit, orthogonal to normal; handedness [R32G32B32A32_SFLOAT]
+};
+
 // What is to be drawn; everything is copied.
 struct CharacterSource {
   const SkinMesh* mesh = nullptr;
@@ -54,6 +61,7 @@ class CharacterModel {
   explicit CharacterModel(VulkanDevice* device) : device_(device) {}
 
   Status CreateSkinner(const CharacterSource& source, uint32_t frames_in_flight);
+  VertexStream Stream(uint32_t frame, size_t offset) const;
   Status CreateMesh(const SkinMesh& mesh);
   void ListDraws(const CharacterSource& source);
   Status CreateTextures(const MaterialSet& set);
@@ -64,9 +72,10 @@ class CharacterModel {
 
   VulkanDevice* device_;
   std::unique_ptr<VulkanSkinner> skinner_;
-  std::unique_ptr<VulkanSkinInstance> instance_;
+  const VulkanSkinRig* rig_ = nullptr;
+  VulkanBuffer vertices_;  // of every slot, one after the other
   VulkanBuffer indices_, texcoords_;
-  uint32_t num_indices_ = 0;
+  uint32_t num_indices_ = 0, num_vertices_ = 0;
   std::vector<CharacterDraw> draws_;
   std::vector<GpuImage> textures_;             // [0] is one white pixel
   std::vector<int> color_slot_, normal_slot_;  // by image: index into textures_, -1 unused

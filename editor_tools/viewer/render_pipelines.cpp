@@ -11,6 +11,7 @@
 #include "shaders/shadow_vert.spv.h"
 #include "shared/view_layout.h"
 #include "skin_vulkan/vulkan_skinner.h"
+#include "viewer/character_model.h"
 
 #include <array>
 #include <span>

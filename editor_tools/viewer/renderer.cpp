@@ -150,7 +150,7 @@ OrbitCamera Renderer::DefaultCamera() const {
                : OrbitCamera::Frame(view_bounds_, aspect);
 }
 
-Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t num_dots) const {
+void Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t num_dots) const {
   shaders::FrameUniforms uniforms{};
   const glm::mat4 clip = scene.camera->ClipFromMesh(), shadow = ShadowFromMesh(bounds_);
   std::memcpy(uniforms.clip_from_mesh, glm::value_ptr(clip), sizeof(clip));
@@ -180,8 +180,6 @@ Status Renderer::WriteUniforms(const Slot& slot, const Scene& scene, uint32_t nu
                                     DotStyle(dot)};
     std::memcpy(slot.dots.mapped() + i * sizeof(vertex), &vertex, sizeof(vertex));
   }
-  LIMBER_RETURN_IF_ERROR(slot.uniforms.Flush());
-  return slot.dots.Flush();
 }
 
 Status Renderer::Record(VkCommandBuffer commands, uint32_t frame, const Scene& scene) {
@@ -190,7 +188,7 @@ Status Renderer::Record(VkCommandBuffer commands, uint32_t frame, const Scene& s
                  slots_.size());
   }
   const auto num_dots = static_cast<uint32_t>(std::min<size_t>(scene.dots.size(), kMaxDots));
-  LIMBER_RETURN_IF_ERROR(WriteUniforms(slots_[frame], scene, num_dots));
+  WriteUniforms(slots_[frame], scene, num_dots);
   if (queries_ != VK_NULL_HANDLE) {
     vkCmdResetQueryPool(commands, queries_, frame * kStamps, kStamps);
   }

@@ -89,7 +89,7 @@ class Renderer {
   Status Initialize(const CharacterSource& source);
   Status CreateSlots();
   void WriteSet(const Slot& slot) const;
-  Status WriteUniforms(const Slot& slot, const Scene& scene, uint32_t num_dots) const;
+  void WriteUniforms(const Slot& slot, const Scene& scene, uint32_t num_dots) const;
   void RecordShadow(VkCommandBuffer commands, uint32_t frame) const;
   void RecordColor(VkCommandBuffer commands, uint32_t frame, uint32_t num_dots) const;
   void RecordDraws(VkCommandBuffer commands, bool blend) const;

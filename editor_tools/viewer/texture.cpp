@@ -140,7 +140,6 @@ Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool sr
     std::memcpy(staging.mapped() + copies[i].bufferOffset, levels[i].rgba.data(),
                 levels[i].rgba.size());
   }
-  LIMBER_RETURN_IF_ERROR(staging.Flush());
   LIMBER_RETURN_IF_ERROR(device->SubmitAndWait([&](VkCommandBuffer commands) {
     RecordUpload(commands, staging.handle(), texture.handle(), copies);
   }));

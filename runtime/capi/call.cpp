@@ -30,6 +30,8 @@ LimberResult ResultOf(StatusCode code) {
       return LIMBER_ERROR_OUT_OF_MEMORY;
     case StatusCode::kDeviceError:
       return LIMBER_ERROR_DEVICE;
+    case StatusCode::kDeviceLost:
+      return LIMBER_ERROR_DEVICE_LOST;
     case StatusCode::kInternal:
       break;
   }
@@ -74,6 +76,8 @@ extern "C" const char* limberResultString(LimberResult result) {
       return "device";
     case LIMBER_ERROR_INTERNAL:
       return "internal";
+    case LIMBER_ERROR_DEVICE_LOST:
+      return "device_lost";
     default:
       return "unknown";
   }

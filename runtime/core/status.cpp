@@ -42,6 +42,8 @@ const char* StatusCodeName(StatusCode code) {
       return "limit_exceeded";
     case StatusCode::kOutOfMemory:
       return "out_of_memory";
+    case StatusCode::kDeviceLost:
+      return "device_lost";
     case StatusCode::kDeviceError:
       return "device_error";
     case StatusCode::kInternal:

@@ -26,6 +26,7 @@ enum class StatusCode {
   kLimitExceeded,    // larger than a published limit
   kOutOfMemory,      // within the limits, but this machine has not the memory
   kDeviceError,      // Vulkan or Embree failed
+  kDeviceLost,       // the graphics device is gone, with all that was made with it
   kInternal,         // a bug of Limber's own
 };
 

@@ -25,11 +25,29 @@ Status LoadVulkanApi(const VulkanHost& host, VulkanApi* api) {
 #undef LIMBER_VK_LOAD
   api->device = host.device;
   api->callbacks = host.callbacks;
+  api->host_memory = host.memory;
+  if ((host.memory.create == nullptr) != (host.memory.destroy == nullptr)) {
+    return Error(StatusCode::kInvalidArgument,
+                 "vulkan host: of the allocator's two functions one is null; set both or none");
+  }
+  api->set_object_name = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
+      api->GetDeviceProcAddr(host.device, "vkSetDebugUtilsObjectNameEXT"));
   VkPhysicalDeviceProperties properties;
   api->GetPhysicalDeviceProperties(host.physical_device, &properties);
+  api->device_type = properties.deviceType;
   api->limits = properties.limits;
   api->GetPhysicalDeviceMemoryProperties(host.physical_device, &api->memory);
   return {};
+}
+
+void NameVulkanObject(const VulkanApi& api, VkObjectType type, uint64_t object, const char* name) {
+  if (api.set_object_name == nullptr) return;
+  auto info =
+      VulkanInfo<VkDebugUtilsObjectNameInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT);
+  info.objectType = type;
+  info.objectHandle = object;
+  info.pObjectName = name;
+  api.set_object_name(api.device, &info);  // a name less is no failure
 }
 
 Status VulkanStatus(VkResult result, const char* what) {
@@ -55,8 +73,8 @@ Status VulkanStatus(VkResult result, const char* what) {
     default:
       break;
   }
-  return Error(StatusCode::kDeviceError, "vulkan: %s failed: %s (VkResult %d)", what, name,
-               static_cast<int>(result));
+  return Error(result == VK_ERROR_DEVICE_LOST ? StatusCode::kDeviceLost : StatusCode::kDeviceError,
+               "vulkan: %s failed: %s (VkResult %d)", what, name, static_cast<int>(result));
 }
 
 }  // namespace limber

@@ -7,6 +7,8 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <cstring>
+
 namespace limber {
 
 // One list for the members and for their loading: instance functions, then device functions.
@@ -37,7 +39,6 @@ namespace limber {
   X(DestroyPipeline)                  \
   X(DestroyPipelineLayout)            \
   X(DestroyShaderModule)              \
-  X(FlushMappedMemoryRanges)          \
   X(FreeMemory)                       \
   X(GetBufferMemoryRequirements)      \
   X(MapMemory)                        \
@@ -51,6 +52,9 @@ struct VulkanApi {
 
   VkDevice device = VK_NULL_HANDLE;
   const VkAllocationCallbacks* callbacks = nullptr;
+  VulkanHostMemory host_memory;
+  PFN_vkSetDebugUtilsObjectNameEXT set_object_name = nullptr;  // null: nobody reads names
+  VkPhysicalDeviceType device_type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
   VkPhysicalDeviceLimits limits{};
   VkPhysicalDeviceMemoryProperties memory{};
 };
@@ -58,7 +62,20 @@ struct VulkanApi {
 // Errors: kInvalidArgument (a null handle), kDeviceError (a function is missing).
 Status LoadVulkanApi(const VulkanHost& host, VulkanApi* api);
 
-// kDeviceError "<what> failed: <name of the result>", or success for VK_SUCCESS.
+// A handle as the debugging tools want it; handles are numbers on some machines, pointers on
+// others.
+template <class Handle>
+uint64_t VulkanObject(Handle handle) {
+  static_assert(sizeof(Handle) <= sizeof(uint64_t));
+  uint64_t object = 0;
+  std::memcpy(&object, &handle, sizeof(handle));
+  return object;
+}
+
+// Names an object for the host's debugging tools (the instance has VK_EXT_debug_utils).
+void NameVulkanObject(const VulkanApi& api, VkObjectType type, uint64_t object, const char* name);
+
+// kDeviceError or kDeviceLost "<what> failed: <name of the result>", or success for VK_SUCCESS.
 Status VulkanStatus(VkResult result, const char* what);
 
 }  // namespace limber

@@ -38,18 +38,20 @@ VulkanBuffer& VulkanBuffer::operator=(VulkanBuffer&& other) noexcept {
   if (this == &other) return *this;
   Destroy();
   api_ = std::exchange(other.api_, nullptr);
-  buffer_ = std::exchange(other.buffer_, VK_NULL_HANDLE);
+  held_ = std::exchange(other.held_, {});
   memory_ = std::exchange(other.memory_, VK_NULL_HANDLE);
   size_ = std::exchange(other.size_, 0);
-  mapped_ = std::exchange(other.mapped_, nullptr);
-  coherent_ = other.coherent_;
   return *this;
 }
 
 void VulkanBuffer::Destroy() {
   if (api_ == nullptr) return;
-  api_->DestroyBuffer(api_->device, buffer_, api_->callbacks);
-  api_->FreeMemory(api_->device, memory_, api_->callbacks);  // unmaps
+  if (api_->host_memory.destroy != nullptr) {
+    if (held_.buffer != VK_NULL_HANDLE) api_->host_memory.destroy(api_->host_memory.user, held_);
+  } else {
+    api_->DestroyBuffer(api_->device, held_.buffer, api_->callbacks);
+    api_->FreeMemory(api_->device, memory_, api_->callbacks);  // unmaps
+  }
   api_ = nullptr;
 }
 
@@ -63,17 +65,32 @@ Status VulkanBuffer::Create(const VulkanApi& api, VkDeviceSize size, VkBufferUsa
   info.size = size;
   info.usage = usage;
   info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
-  LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      api.CreateBuffer(api.device, &info, api.callbacks, &made.buffer_), "vkCreateBuffer"));
-  LIMBER_RETURN_IF_ERROR(made.Allocate(wish));
+  if (api.host_memory.create != nullptr) {
+    LIMBER_RETURN_IF_ERROR(made.CreateByHost(info, wish));
+  } else {
+    LIMBER_RETURN_IF_ERROR(VulkanStatus(
+        api.CreateBuffer(api.device, &info, api.callbacks, &made.held_.buffer), "vkCreateBuffer"));
+    LIMBER_RETURN_IF_ERROR(made.Allocate(wish));
+  }
   *this = std::move(made);
   return {};
+}
+
+Status VulkanBuffer::CreateByHost(const VkBufferCreateInfo& info, const MemoryWish& wish) {
+  const VulkanHostMemory& memory = api_->host_memory;
+  LIMBER_RETURN_IF_ERROR(
+      VulkanStatus(memory.create(memory.user, info, wish.required, wish.preferred, &held_),
+                   "the host's allocator"));
+  const bool must_map = (wish.required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
+  if (held_.buffer != VK_NULL_HANDLE && (held_.mapped != nullptr || !must_map)) return {};
+  return Error(StatusCode::kDeviceError,
+               "vulkan: the host's allocator gave a buffer that is null or not mapped");
 }
 
 Status VulkanBuffer::Allocate(const MemoryWish& wish) {
   const VulkanApi& api = *api_;
   VkMemoryRequirements needs;
-  api.GetBufferMemoryRequirements(api.device, buffer_, &needs);
+  api.GetBufferMemoryRequirements(api.device, held_.buffer, &needs);
   uint32_t type = 0;
   LIMBER_RETURN_IF_ERROR(ChooseMemoryType(api, needs.memoryTypeBits, wish, &type));
   auto allocate = VulkanInfo<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
@@ -81,26 +98,14 @@ Status VulkanBuffer::Allocate(const MemoryWish& wish) {
   allocate.memoryTypeIndex = type;
   LIMBER_RETURN_IF_ERROR(VulkanStatus(
       api.AllocateMemory(api.device, &allocate, api.callbacks, &memory_), "vkAllocateMemory"));
-  LIMBER_RETURN_IF_ERROR(
-      VulkanStatus(api.BindBufferMemory(api.device, buffer_, memory_, 0), "vkBindBufferMemory"));
-
-  const VkMemoryPropertyFlags flags = api.memory.memoryTypes[type].propertyFlags;
-  coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
-  if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) == 0) return {};
-  void* mapped = nullptr;
-  LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      api.MapMemory(api.device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"));
-  mapped_ = static_cast<std::byte*>(mapped);
-  return {};
-}
-
-Status VulkanBuffer::Flush() const {
-  if (coherent_ || mapped_ == nullptr) return {};
-  auto range = VulkanInfo<VkMappedMemoryRange>(VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE);
-  range.memory = memory_;
-  range.size = VK_WHOLE_SIZE;
-  return VulkanStatus(api_->FlushMappedMemoryRanges(api_->device, 1, &range),
-                      "vkFlushMappedMemoryRanges");
+  LIMBER_RETURN_IF_ERROR(VulkanStatus(api.BindBufferMemory(api.device, held_.buffer, memory_, 0),
+                                      "vkBindBufferMemory"));
+  // Memory that is visible but not coherent would have to be flushed: it is left unmapped.
+  constexpr VkMemoryPropertyFlags kMappable =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  if ((api.memory.memoryTypes[type].propertyFlags & kMappable) != kMappable) return {};
+  return VulkanStatus(api.MapMemory(api.device, memory_, 0, VK_WHOLE_SIZE, 0, &held_.mapped),
+                      "vkMapMemory");
 }
 
 }  // namespace limber

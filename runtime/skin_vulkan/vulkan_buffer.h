@@ -27,7 +27,8 @@ class BufferPlan {
 };
 
 // Where a buffer lies: in the first memory type with all flags, otherwise in the first with the
-// required ones.
+// required ones. What the host writes or reads is coherent, which every device has: nothing needs
+// to be flushed.
 struct MemoryWish {
   VkMemoryPropertyFlags required = 0, preferred = 0;
 };
@@ -35,12 +36,12 @@ struct MemoryWish {
 // Read and written by the device alone.
 inline constexpr MemoryWish kDeviceMemory{0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
 // Written by the host, copied from by the device.
-inline constexpr MemoryWish kStagingMemory{VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
-                                           VK_MEMORY_PROPERTY_HOST_COHERENT_BIT};
+inline constexpr MemoryWish kStagingMemory{
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 0};
 // Written by the host, in order, and read by the device's shaders.
 inline constexpr MemoryWish kUploadMemory{
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
-    VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+    VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
 // Written by the device, read by the host.
 inline constexpr MemoryWish kReadbackMemory{
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
@@ -51,7 +52,8 @@ inline constexpr MemoryWish kReadbackMemory{
 Status ChooseMemoryType(const VulkanApi& api, uint32_t allowed, const MemoryWish& wish,
                         uint32_t* type);
 
-// Empty until Create; host-visible memory is mapped for the buffer's life.
+// Empty until Create; host-visible memory is mapped for the buffer's life. Memory comes from the
+// host's allocator where there is one.
 class VulkanBuffer {
  public:
   VulkanBuffer() = default;
@@ -67,26 +69,22 @@ class VulkanBuffer {
   Status Create(const VulkanApi& api, VkDeviceSize size, VkBufferUsageFlags usage,
                 const MemoryWish& wish);
 
-  VkBuffer handle() const { return buffer_; }
+  VkBuffer handle() const { return held_.buffer; }
 
   VkDeviceSize size() const { return size_; }
 
   // Null where the memory is not host-visible.
-  std::byte* mapped() const { return mapped_; }
-
-  // Makes host writes visible to later submissions; free on coherent memory.
-  Status Flush() const;
+  std::byte* mapped() const { return static_cast<std::byte*>(held_.mapped); }
 
  private:
+  Status CreateByHost(const VkBufferCreateInfo& info, const MemoryWish& wish);
   Status Allocate(const MemoryWish& wish);
   void Destroy();
 
   const VulkanApi* api_ = nullptr;
-  VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VulkanHostBuffer held_;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;  // none where it is the host's
   VkDeviceSize size_ = 0;
-  std::byte* mapped_ = nullptr;
-  bool coherent_ = true;
 };
 
 }  // namespace limber

@@ -42,4 +42,12 @@ VkWriteDescriptorSet DescriptorWrite(VkDescriptorSet set, uint32_t binding, VkDe
   return write;
 }
 
+void WriteStorageBuffers(const VulkanApi& api, VkDescriptorSet set,
+                         std::span<const VkDescriptorBufferInfo> buffers) {
+  auto write = DescriptorWrite(set, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+  write.descriptorCount = static_cast<uint32_t>(buffers.size());  // goes on at the next binding
+  write.pBufferInfo = buffers.data();
+  api.UpdateDescriptorSets(api.device, 1, &write, 0, nullptr);
+}
+
 }  // namespace limber

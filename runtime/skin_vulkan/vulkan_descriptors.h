@@ -28,6 +28,10 @@ class VulkanDescriptors {
   std::vector<VkDescriptorSet> sets_;
 };
 
+// Puts buffers at the bindings 0, 1, ... of a set of storage buffers.
+void WriteStorageBuffers(const VulkanApi& api, VkDescriptorSet set,
+                         std::span<const VkDescriptorBufferInfo> buffers);
+
 // Writes one descriptor of a set; the caller adds pBufferInfo or pImageInfo.
 VkWriteDescriptorSet DescriptorWrite(VkDescriptorSet set, uint32_t binding, VkDescriptorType type);
 

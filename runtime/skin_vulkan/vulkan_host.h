@@ -6,8 +6,25 @@
 
 namespace limber {
 
+// A buffer and its memory, from the host's allocator.
+struct VulkanHostBuffer {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  void* mapped = nullptr;      // where host-visible memory was required, or was had nevertheless
+  void* allocation = nullptr;  // the allocator's own
+};
+
+// The host's allocator of buffers. Limber asks for few and large ones, not in steady frames.
+struct VulkanHostMemory {
+  // Both null: Limber takes its memory from the device itself.
+  VkResult (*create)(void* user, const VkBufferCreateInfo& info, VkMemoryPropertyFlags required,
+                     VkMemoryPropertyFlags preferred, VulkanHostBuffer* buffer) = nullptr;
+  void (*destroy)(void* user, const VulkanHostBuffer& buffer) = nullptr;
+  void* user = nullptr;
+};
+
 // All handles stay the host's and must outlive every object made with them. Needed of the device:
-// Vulkan 1.1 and a queue family with compute; no feature, no extension.
+// Vulkan 1.1, a queue family with compute, and kNumSkinBuffers storage buffers in one stage (all
+// but some phones); no feature, no extension.
 struct VulkanHost {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -15,6 +32,10 @@ struct VulkanHost {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
   const VkAllocationCallbacks* callbacks = nullptr;  // optional
   VkPipelineCache pipeline_cache = VK_NULL_HANDLE;   // optional
+  VulkanHostMemory memory;                           // optional
 };
+
+// Of limits.maxPerStageDescriptorStorageBuffers.
+inline constexpr uint32_t kNumSkinBuffers = 13;
 
 }  // namespace limber

@@ -1,65 +1,85 @@
 #include "skin_vulkan/vulkan_pipelines.h"
 
-#include "shaders/skin_frames.spv.h"
 #include "shaders/skin_positions.spv.h"
-#include "shaders/skin_positions_storage.spv.h"
+#include "shaders/skin_vertices.spv.h"
 #include "shared/skin_layout.h"
 
-#include <array>
-
 namespace limber {
+namespace {
+
+// Rigs up to this size have the loops of pass 1 laid out: some 12 instructions for a matrix, which
+// instruction caches hold, and three registers for a shape.
+bool IsUnrolled(uint32_t num_handles, uint32_t num_shapes) {
+  return num_shapes <= 12 && uint64_t{num_handles} * num_shapes <= 128;
+}
+
+}  // namespace
 
 SkinPipelines::~SkinPipelines() {
   if (api_ == nullptr) return;
-  api_->DestroyPipeline(api_->device, positions_, api_->callbacks);
-  api_->DestroyPipeline(api_->device, frames_, api_->callbacks);
+  for (const Positions& positions : positions_)
+    api_->DestroyPipeline(api_->device, positions.pipeline, api_->callbacks);
+  api_->DestroyPipeline(api_->device, vertices_, api_->callbacks);
   api_->DestroyPipelineLayout(api_->device, layout_, api_->callbacks);
-  api_->DestroyDescriptorSetLayout(api_->device, set_layout_, api_->callbacks);
+  for (VkDescriptorSetLayout layout : set_layouts_)
+    api_->DestroyDescriptorSetLayout(api_->device, layout, api_->callbacks);
 }
 
 Status SkinPipelines::Create(const VulkanApi& api, const SkinPipelineOptions& options) {
   api_ = &api;
-  matrices_type_ = options.matrices_in_storage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                               : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  LIMBER_RETURN_IF_ERROR(CreateLayouts());
-  using namespace shaders;
-  LIMBER_RETURN_IF_ERROR(
-      options.matrices_in_storage
-          ? CreatePipeline(kSkinPositionsStorageSpirv, sizeof(kSkinPositionsStorageSpirv), options,
-                           &positions_)
-          : CreatePipeline(kSkinPositionsSpirv, sizeof(kSkinPositionsSpirv), options, &positions_));
-  return CreatePipeline(kSkinFramesSpirv, sizeof(kSkinFramesSpirv), options, &frames_);
+  options_ = options;
+  constexpr std::array<uint32_t, kNumSets> kNumBindings = {LIMBER_SKIN_NUM_RIG_BINDINGS,
+                                                           LIMBER_SKIN_NUM_BATCH_BINDINGS};
+  static_assert(kNumBindings[0] + kNumBindings[1] == kNumSkinBuffers);
+  for (size_t set = 0; set < kNumSets; ++set)
+    LIMBER_RETURN_IF_ERROR(CreateSetLayout(kNumBindings[set], &set_layouts_[set]));
+  LIMBER_RETURN_IF_ERROR(CreateLayout());
+  return CreatePipeline(shaders::kSkinVerticesSpirv, sizeof(shaders::kSkinVerticesSpirv), 1, 1,
+                        &vertices_);
 }
 
-Status SkinPipelines::CreateLayouts() {
-  std::array<VkDescriptorSetLayoutBinding, LIMBER_SKIN_NUM_BINDINGS> bindings{};
-  for (uint32_t i = 0; i < bindings.size(); ++i) {
-    bindings[i].binding = i;
-    bindings[i].descriptorType =
-        i == LIMBER_SKIN_MATRICES ? matrices_type_ : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    bindings[i].descriptorCount = 1;
-    bindings[i].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+Status SkinPipelines::FindPositions(uint32_t num_handles, uint32_t num_shapes,
+                                    VkPipeline* pipeline) {
+  for (const Positions& positions : positions_) {
+    if (positions.num_handles != num_handles || positions.num_shapes != num_shapes) continue;
+    *pipeline = positions.pipeline;
+    return {};
   }
-  auto set_info = VulkanInfo<VkDescriptorSetLayoutCreateInfo>(
-      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
-  set_info.bindingCount = static_cast<uint32_t>(bindings.size());
-  set_info.pBindings = bindings.data();
-  LIMBER_RETURN_IF_ERROR(VulkanStatus(
-      api_->CreateDescriptorSetLayout(api_->device, &set_info, api_->callbacks, &set_layout_),
-      "vkCreateDescriptorSetLayout"));
+  positions_.push_back({num_handles, num_shapes, VK_NULL_HANDLE});
+  const Status made =
+      CreatePipeline(shaders::kSkinPositionsSpirv, sizeof(shaders::kSkinPositionsSpirv),
+                     num_handles, num_shapes, &positions_.back().pipeline);
+  *pipeline = positions_.back().pipeline;
+  if (!made.ok()) positions_.pop_back();
+  return made;
+}
 
+Status SkinPipelines::CreateSetLayout(uint32_t num_bindings, VkDescriptorSetLayout* layout) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings(num_bindings);
+  for (uint32_t i = 0; i < num_bindings; ++i) {
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  }
+  auto info = VulkanInfo<VkDescriptorSetLayoutCreateInfo>(
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
+  info.bindingCount = num_bindings;
+  info.pBindings = bindings.data();
+  return VulkanStatus(api_->CreateDescriptorSetLayout(api_->device, &info, api_->callbacks, layout),
+                      "vkCreateDescriptorSetLayout");
+}
+
+Status SkinPipelines::CreateLayout() {
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(shaders::SkinPush)};
   auto info = VulkanInfo<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
-  info.setLayoutCount = 1;
-  info.pSetLayouts = &set_layout_;
+  info.setLayoutCount = static_cast<uint32_t>(set_layouts_.size());
+  info.pSetLayouts = set_layouts_.data();
   info.pushConstantRangeCount = 1;
   info.pPushConstantRanges = &push;
   return VulkanStatus(api_->CreatePipelineLayout(api_->device, &info, api_->callbacks, &layout_),
                       "vkCreatePipelineLayout");
 }
 
-Status SkinPipelines::CreatePipeline(const uint32_t* words, size_t bytes,
-                                     const SkinPipelineOptions& options, VkPipeline* pipeline) {
+Status SkinPipelines::CreatePipeline(const uint32_t* words, size_t bytes, uint32_t num_handles,
+                                     uint32_t num_shapes, VkPipeline* pipeline) {
   auto module_info =
       VulkanInfo<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
   module_info.codeSize = bytes;
@@ -69,14 +89,19 @@ Status SkinPipelines::CreatePipeline(const uint32_t* words, size_t bytes,
       VulkanStatus(api_->CreateShaderModule(api_->device, &module_info, api_->callbacks, &module),
                    "vkCreateShaderModule"));
 
-  const uint32_t constants[3] = {options.num_handles, options.num_shapes,
-                                 options.num_handles * options.num_shapes * 3};
-  const VkSpecializationMapEntry entries[3] = {
+  const bool unrolled = IsUnrolled(num_handles, num_shapes);
+  const std::array<uint32_t, 5> constants = {num_handles, num_shapes, unrolled ? VK_TRUE : VK_FALSE,
+                                             options_.many_in_a_dispatch ? VK_TRUE : VK_FALSE,
+                                             unrolled ? num_shapes : 1};
+  constexpr std::array<VkSpecializationMapEntry, 5> kEntries = {{
       {LIMBER_SKIN_CONSTANT_HANDLES, 0, 4},
       {LIMBER_SKIN_CONSTANT_SHAPES, 4, 4},
-      {LIMBER_SKIN_CONSTANT_ROWS, 8, 4},
-  };
-  const VkSpecializationInfo specialization{3, entries, sizeof(constants), constants};
+      {LIMBER_SKIN_CONSTANT_UNROLLED, 8, 4},
+      {LIMBER_SKIN_CONSTANT_MANY, 12, 4},
+      {LIMBER_SKIN_CONSTANT_KEPT, 16, 4},
+  }};
+  const VkSpecializationInfo specialization{kEntries.size(), kEntries.data(), sizeof(constants),
+                                            constants.data()};
   auto info =
       VulkanInfo<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -85,7 +110,7 @@ Status SkinPipelines::CreatePipeline(const uint32_t* words, size_t bytes,
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
   info.layout = layout_;
-  const VkResult result = api_->CreateComputePipelines(api_->device, options.cache, 1, &info,
+  const VkResult result = api_->CreateComputePipelines(api_->device, options_.cache, 1, &info,
                                                        api_->callbacks, pipeline);
   api_->DestroyShaderModule(api_->device, module, api_->callbacks);
   return VulkanStatus(result, "vkCreateComputePipelines");

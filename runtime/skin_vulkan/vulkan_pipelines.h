@@ -1,46 +1,58 @@
-// The two compute pipelines of one character and the layouts they share.
+// The compute pipelines of skinning and the layouts that they share.
 #pragma once
 
 #include "skin_vulkan/vulkan_api.h"
 
+#include <array>
+#include <vector>
+
 namespace limber {
 
 struct SkinPipelineOptions {
-  uint32_t num_handles = 1, num_shapes = 1;  // specialisation constants
-  bool matrices_in_storage = false;          // false: in a uniform buffer
+  bool many_in_a_dispatch = true;  // else one instance each
   VkPipelineCache cache = VK_NULL_HANDLE;
 };
 
 class SkinPipelines {
  public:
+  static constexpr size_t kNumSets = 2;
+
   SkinPipelines() = default;
   SkinPipelines(const SkinPipelines&) = delete;
   SkinPipelines& operator=(const SkinPipelines&) = delete;
   ~SkinPipelines();
 
-  // `api` must outlive the object. Errors: kDeviceError. May be called once.
+  // The layouts and pass 2. `api` must outlive the object. Errors: kDeviceError. Once.
   Status Create(const VulkanApi& api, const SkinPipelineOptions& options);
 
-  VkDescriptorSetLayout set_layout() const { return set_layout_; }
+  // Pass 1 for rigs of so many handles and shapes; made when it is first asked for, and kept.
+  // Errors: kDeviceError.
+  Status FindPositions(uint32_t num_handles, uint32_t num_shapes, VkPipeline* pipeline);
+
+  // Of one of the sets in shaders/shared/skin_layout.h, all its descriptors storage buffers.
+  VkDescriptorSetLayout set_layout(uint32_t set) const { return set_layouts_[set]; }
 
   VkPipelineLayout layout() const { return layout_; }
 
-  VkPipeline positions() const { return positions_; }
-
-  VkPipeline frames() const { return frames_; }
-
-  VkDescriptorType matrices_type() const { return matrices_type_; }
+  VkPipeline vertices() const { return vertices_; }
 
  private:
-  Status CreateLayouts();
-  Status CreatePipeline(const uint32_t* words, size_t bytes, const SkinPipelineOptions& options,
-                        VkPipeline* pipeline);
+  struct Positions {
+    uint32_t num_handles, num_shapes;
+    VkPipeline pipeline;
+  };
+
+  Status CreateSetLayout(uint32_t num_bindings, VkDescriptorSetLayout* layout);
+  Status CreateLayout();
+  Status CreatePipeline(const uint32_t* words, size_t bytes, uint32_t num_handles,
+                        uint32_t num_shapes, VkPipeline* pipeline);
 
   const VulkanApi* api_ = nullptr;
-  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  SkinPipelineOptions options_;
+  std::array<VkDescriptorSetLayout, kNumSets> set_layouts_{};
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkPipeline positions_ = VK_NULL_HANDLE, frames_ = VK_NULL_HANDLE;
-  VkDescriptorType matrices_type_ = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  VkPipeline vertices_ = VK_NULL_HANDLE;
+  std::vector<Positions> positions_;
 };
 
 }  // namespace limber

@@ -1,154 +1,137 @@
-// Eq. 6, normals and tangents as Vulkan compute, recorded into the host's command buffer.
+// Eq. 6, normals and tangents as Vulkan compute, recorded into the host's command buffer, written
+// into the host's vertex buffers.
 //
-//   VulkanSkinner      one per character kind: pipelines and immutable buffers (shared)
-//   VulkanSkinInstance one per character on screen: matrices and results, one slot a frame in
-//   flight
+//   VulkanSkinner   one for each device and queue: pipelines, scratch, one slot a frame in flight
+//   VulkanSkinRig   one for each rig: its tables
 //
-// Nothing here submits or waits. Calls on one object come from one thread at a time; objects are
-// independent of each other. Needs Vulkan 1.1 and nothing more.
+// Nothing here submits or waits. Calls on one object and its rigs come from one thread at a time;
+// objects are independent of each other. What Vulkan must have: vulkan_host.h.
 #pragma once
 
 #include "core/status.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
-#include "skin/skin_topology.h"
-#include "skin/skin_transforms.h"
 #include "skin_vulkan/vulkan_buffer.h"
 #include "skin_vulkan/vulkan_descriptors.h"
 #include "skin_vulkan/vulkan_host.h"
 #include "skin_vulkan/vulkan_pipelines.h"
+#include "skin_vulkan/vulkan_skin_batches.h"
+#include "skin_vulkan/vulkan_skin_rig.h"
 
+#include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace limber {
 
-// One vertex as the skinner writes it, 40 bytes; attribute formats in brackets.
-struct SkinnedVertex {
-  float position[3];  // mesh space                     [R32G32B32_SFLOAT, offset 0]
-  float normal[3];    // unit                           [R32G32B32_SFLOAT, offset 12]
-  float tangent[4];   // unit, orthogonal to normal; handedness [R32G32B32A32_SFLOAT, offset 24]
-};
-
-static_assert(sizeof(SkinnedVertex) == 40);
-
-// Where a frame's vertices lie: bind at `offset` as a vertex buffer, draw vertex order.
-struct SkinnedVertices {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0, size = 0;
-};
+namespace shaders {
+struct SkinRecord;
+}
 
 struct VulkanSkinnerOptions {
   uint32_t frames_in_flight = 2;
-  // Rig buffers in plain device memory, filled by RecordUpload from a staging copy, although the
-  // device has memory that is device-local and host-visible. For tests.
+  // Rig tables by way of a staging copy even where they could be written in place. For tests.
   bool force_staging = false;
-  // Matrices in a storage buffer even where a uniform buffer could hold them. For tests.
-  bool force_matrices_in_storage = false;
-  // More usages for the buffers of the results, for example transfer source (to read back).
-  VkBufferUsageFlags extra_vertex_usage = 0;
-  // Guards of this many bytes around each range of an instance. For tests.
-  VkDeviceSize guard_bytes = 0;
+  // How many instances a dispatch takes. A device that is a CPU skins one faster when its matrices
+  // are at known addresses, and dispatches cost it little; all others take many.
+  enum class Dispatch { kAsTheDeviceLikes, kOne, kMany } dispatch = Dispatch::kAsTheDeviceLikes;
 };
 
-// Who reads the results first; the barrier after the last dispatch makes them visible there.
+// Who reads the vertices first; the barrier after the last dispatch makes them visible there, and
+// the one before the first write waits for its reads of what was there before. No stage: no such
+// barriers; the host waits for compute shader's shader writes itself.
 struct SkinConsumer {
   VkPipelineStageFlags stage = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT;
   VkAccessFlags access = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT;
 };
 
-class VulkanSkinInstance;
-
 class VulkanSkinner {
  public:
-  // Errors: kMalformed (the mesh), kLimitExceeded (a table exceeds maxStorageBufferRange, or the
-  // vertices maxComputeWorkGroupCount; the message names it), kDeviceError, kInvalidArgument.
-  static Result<std::unique_ptr<VulkanSkinner>> Create(const VulkanHost& host, const SkinMesh& mesh,
-                                                       const RigSpace& space,
+  // Errors: kInvalidArgument, kLimitExceeded (too few storage buffers a stage), kDeviceError.
+  static Result<std::unique_ptr<VulkanSkinner>> Create(const VulkanHost& host,
                                                        const VulkanSkinnerOptions& options);
   VulkanSkinner(const VulkanSkinner&) = delete;
   VulkanSkinner& operator=(const VulkanSkinner&) = delete;
-  // The host has waited for all work that uses it; instances are gone.
+  // The host has waited for all work that uses it, or the device is lost.
   ~VulkanSkinner();
 
-  // Records the copy of the rig's tables; once, before the first Record, outside a render pass.
-  // Where the tables are already in place it records nothing.
-  void RecordUpload(VkCommandBuffer commands);
-  // Frees the staging copy; call when the upload has finished on the device.
-  void ReleaseStaging();
+  // A rig's tables, which the next Record puts in place. Owned by the skinner.
+  // Errors: as VulkanSkinRig::Create.
+  Result<const VulkanSkinRig*> AddRig(const SkinMesh& mesh, const RigSpace& space);
+  // At any time: what frames in flight still use is freed when they are over.
+  void RemoveRig(const VulkanSkinRig* rig);
 
-  // Buffers for one character. Errors: kLimitExceeded, kDeviceError.
-  Result<std::unique_ptr<VulkanSkinInstance>> CreateInstance();
-
-  // Writes the matrices into slot `frame` (below frames_in_flight, whose previous use must have
-  // finished on the device) and records both passes, outside a render pass. Leaves the compute
-  // pipeline, descriptor set 0 and push constants of the compute bind point changed, and the
-  // slot's vertices visible to `consumer`. Errors: kInvalidArgument (frame, matrix count).
-  Status Record(VkCommandBuffer commands, VulkanSkinInstance* instance, uint32_t frame,
-                const SkinTransforms& transforms, const SkinConsumer& consumer);
-
-  uint32_t num_draw_vertices() const { return num_draw_vertices_; }
+  // Writes the transforms into slot `frame` (below frames_in_flight, whose previous use must have
+  // finished on the device) and records the skinning of all that is to be seen in this frame, once
+  // a frame, outside a render pass. Leaves the compute pipeline, descriptor sets 0 and 1 and push
+  // constants of the compute bind point changed. Two dispatches for each batch (SkinBatches).
+  // Allocates nothing once the slots have seen as many instances.
+  // Errors, nothing being recorded: kInvalidArgument, kLimitExceeded, kDeviceError.
+  Status Record(VkCommandBuffer commands, uint32_t frame, std::span<const VulkanSkinJob> jobs,
+                const SkinConsumer& consumer);
 
   uint32_t frames_in_flight() const { return options_.frames_in_flight; }
 
-  bool matrices_in_storage() const { return matrices_in_storage_; }
+  // Of the last Record.
+  size_t num_batches() const { return batches_.batches().size(); }
 
  private:
-  friend class VulkanSkinInstance;
-  struct Tables;
-  static constexpr uint32_t kMatrixBytes = 48, kPositionBytes = 16;  // 3 vec4, 1 vec4
+  // What a frame in flight reads while the next is written.
+  struct Slot {
+    VulkanBuffer upload;  // matrices and records
+    std::unique_ptr<VulkanDescriptors> sets;
+    size_t num_sets = 0;
+    // Freed when the slot comes round again.
+    std::vector<VulkanBuffer> old_buffers;
+    std::vector<std::unique_ptr<VulkanSkinRig>> old_rigs;
+  };
 
-  VulkanSkinner() = default;
-  Status Initialize(const VulkanHost& host, const SkinMesh& mesh, const RigSpace& space);
-  Status CheckLimits(const Tables& tables) const;
-  Status FillTables(const Tables& tables);
-  void RecordPasses(VkCommandBuffer commands, const VulkanSkinInstance& instance, uint32_t frame,
-                    Vec3 origin);
+  // Where an instance's solve positions of a frame are.
+  struct Place {
+    uint64_t instance;
+    uint32_t position;  // vec4s into the scratch
+    Vec3 origin;
+  };
+
+  // Solve positions of one frame, kept for the next.
+  struct Scratch {
+    VulkanBuffer buffer;
+    std::vector<Place> places;  // by instance
+  };
+
+  VulkanSkinner(const VulkanApi& api, const VulkanSkinnerOptions& options, bool many)
+      : api_(api),
+        options_(options),
+        batches_(api_, many) {}
+
+  Status MakeRoom(Slot* slot);
+  void WriteBatch(const SkinBatch& batch, std::span<const VulkanSkinJob> jobs, const Slot& slot,
+                  VkDescriptorSet set);
+  void BindBatch(const SkinBatch& batch, const BufferRange& last, const Slot& slot,
+                 VkDescriptorSet set) const;
+  shaders::SkinRecord RecordOf(const SkinBatch& batch, const VulkanSkinJob& job,
+                               const BufferRange& last) const;
+  const Place* FindLast(const VulkanSkinJob& job) const;
+  BufferRange LastRange(const SkinBatch& batch, std::span<const VulkanSkinJob> jobs) const;
+  void RecordUploads(VkCommandBuffer commands, Slot* slot);
+  void RecordPass(VkCommandBuffer commands, const Slot& slot, bool first_pass) const;
+  void RecordBarrier(VkCommandBuffer commands, const SkinConsumer& before,
+                     const SkinConsumer& after) const;
+
+  Scratch& scratch() { return scratches_[num_frames_ % 2]; }
+
+  const Scratch& last_scratch() const { return scratches_[(num_frames_ + 1) % 2]; }
 
   VulkanApi api_;
   VulkanSkinnerOptions options_;
   SkinPipelines pipelines_;
-  VulkanBuffer rig_, staging_;
-  std::vector<BufferRange> rig_ranges_;  // by binding; empty for those of the instance
-  uint32_t num_solve_vertices_ = 0, num_draw_vertices_ = 0;
-  uint32_t num_handles_ = 0, num_shapes_ = 0;
-  float inverse_scale_ = 1;
-  bool matrices_in_storage_ = false;
-};
-
-class VulkanSkinInstance {
- public:
-  VulkanSkinInstance(const VulkanSkinInstance&) = delete;
-  VulkanSkinInstance& operator=(const VulkanSkinInstance&) = delete;
-
-  // The vertices of slot `frame`, as the last Record of that slot leaves them.
-  SkinnedVertices vertices(uint32_t frame) const;
-
-  // The whole device buffer of results (vertices and solve positions of every slot); for tests.
-  VkBuffer result_buffer() const { return results_.handle(); }
-
-  VkDeviceSize result_size() const { return results_.size(); }
-
- private:
-  friend class VulkanSkinner;
-
-  struct Slot {
-    BufferRange matrices, positions, vertices;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-  };
-
-  explicit VulkanSkinInstance(const VulkanSkinner& skinner) : skinner_(skinner) {}
-
-  Status Initialize();
-  Status CreateBuffers();
-  Status CreateSets();
-  void WriteSet(const Slot& slot) const;
-  void WriteMatrices(const Slot& slot, std::span<const float> matrices);
-
-  const VulkanSkinner& skinner_;
-  VulkanBuffer matrices_, results_;
-  VulkanDescriptors sets_;
+  std::vector<std::unique_ptr<VulkanSkinRig>> rigs_;
   std::vector<Slot> slots_;
+  Slot* last_slot_ = nullptr;  // of the last Record
+  std::array<Scratch, 2> scratches_;
+  uint64_t num_frames_ = 0;
+  SkinBatches batches_;
 };
 
 }  // namespace limber

@@ -61,8 +61,9 @@ enum {
   LIMBER_ERROR_MESH_MISMATCH = 9,      /* the mesh was changed after it was baked: bake it again */
   LIMBER_ERROR_LIMIT_EXCEEDED = 10,    /* larger than a published limit */
   LIMBER_ERROR_OUT_OF_MEMORY = 11,
-  LIMBER_ERROR_DEVICE = 12,  /* the graphics device failed */
-  LIMBER_ERROR_INTERNAL = 13 /* a bug of Limber's own: please report it */
+  LIMBER_ERROR_DEVICE = 12,     /* the graphics device failed */
+  LIMBER_ERROR_INTERNAL = 13,   /* a bug of Limber's own: please report it */
+  LIMBER_ERROR_DEVICE_LOST = 14 /* the graphics device is gone: limber_vulkan.h says what to do */
 };
 
 /* "stale_id", for logs. Static; any thread; never null. */

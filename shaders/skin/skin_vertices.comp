@@ -23,24 +23,35 @@ struct Corner {
   vec2 second;
 };
 
-layout(std430, binding = LIMBER_SKIN_SOLVE_POSITIONS) readonly buffer Positions {
-  vec4 positions[];
-};
-layout(std430, binding = LIMBER_SKIN_DRAW_VERTICES) readonly buffer DrawVertices {
-  DrawVertex draw_vertices[];
-};
-layout(std430, binding = LIMBER_SKIN_GROUP_CORNERS) readonly buffer GroupCorners {
-  uint group_corners[];
-};
-layout(std430, binding = LIMBER_SKIN_CORNERS) readonly buffer Corners { Corner corners[]; };
-layout(std430, binding = LIMBER_SKIN_VERTICES) writeonly buffer Vertices { float vertices[]; };
-
-layout(push_constant) uniform Push {
+struct Record {
   vec3 origin;
-  float inverse_scale;
-  uint num_solve_vertices;
-  uint num_draw_vertices;
+  uint unused;
+  vec3 last_origin;
+  uint last;
+  uvec4 stream_first;
+  uvec4 stream_step;
 };
+
+layout(std430, set = LIMBER_SKIN_SET_RIG, binding = LIMBER_SKIN_DRAW_VERTICES)
+    readonly buffer DrawVertices { DrawVertex draw_vertices[]; };
+layout(std430, set = LIMBER_SKIN_SET_RIG, binding = LIMBER_SKIN_GROUP_CORNERS)
+    readonly buffer GroupCorners { uint group_corners[]; };
+layout(std430, set = LIMBER_SKIN_SET_RIG, binding = LIMBER_SKIN_CORNERS)
+    readonly buffer Corners { Corner corners[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_RECORDS)
+    readonly buffer Records { Record records[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_SOLVE_POSITIONS)
+    readonly buffer Positions { vec4 positions[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_LAST_POSITIONS)
+    readonly buffer LastPositions { vec4 last_positions[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_STREAM_POSITIONS)
+    writeonly buffer PositionStream { float position_stream[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_STREAM_NORMALS)
+    writeonly buffer NormalStream { float normal_stream[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_STREAM_TANGENTS)
+    writeonly buffer TangentStream { float tangent_stream[]; };
+layout(std430, set = LIMBER_SKIN_SET_BATCH, binding = LIMBER_SKIN_STREAM_LAST_POSITIONS)
+    writeonly buffer LastPositionStream { float last_position_stream[]; };
 
 // Bounds are written so that NaN passes none of them.
 bool IsDirection(vec3 v) {
@@ -72,13 +83,13 @@ struct Sums {
   vec3 n, first, second;
 };
 
-Sums SumCorners(uint group, vec3 centre) {
+Sums SumCorners(uint group, uint first, vec3 centre) {
   Sums sums = Sums(vec3(0), vec3(0), vec3(0));
   const uint end = group_corners[group + 1];
   for (uint c = group_corners[group]; c < end; ++c) {
     const Corner corner = corners[c];
-    const vec3 e1 = (positions[corner.others.x].xyz - centre) * inverse_scale;
-    const vec3 e2 = (positions[corner.others.y].xyz - centre) * inverse_scale;
+    const vec3 e1 = (positions[first + corner.others.x].xyz - centre) * inverse_scale;
+    const vec3 e2 = (positions[first + corner.others.y].xyz - centre) * inverse_scale;
     sums.n += cross(e1, e2);
     sums.first += corner.first.x * e1 + corner.first.y * e2;
     sums.second += corner.second.x * e1 + corner.second.y * e2;
@@ -101,30 +112,53 @@ vec3 CarryNormal(vec3 authored, vec3 n, vec3 first, vec3 second) {
                    authored.y * (turn.x * b - turn.y * t) + authored.z * n);
 }
 
-void main() {
-  const uint d = gl_GlobalInvocationID.x;
-  if (d >= num_draw_vertices) return;
-  const DrawVertex vertex = draw_vertices[d];
-  const vec3 centre = positions[vertex.solve_vertex].xyz;
-  const Sums sums = SumCorners(vertex.normal_group, centre);
-
+void WriteFrame(DrawVertex vertex, Sums sums, uvec2 normal_at, uvec2 tangent_at) {
   vec3 normal = vertex.normal;   // where no triangle has area: as authored
   if (IsDirection(sums.n)) {
     normal = CarryNormal(vertex.normal, normalize(sums.n), sums.first, sums.second);
   }
+  if (normal_at.y != 0) {
+    normal_stream[normal_at.x] = normal.x;
+    normal_stream[normal_at.x + 1] = normal.y;
+    normal_stream[normal_at.x + 2] = normal.z;
+  }
+  if (tangent_at.y == 0) return;
   const vec3 tangent = OrthogonalDirection(
       sums.first * vertex.tangent.x + sums.second * vertex.tangent.y, normal);
+  tangent_stream[tangent_at.x] = tangent.x;
+  tangent_stream[tangent_at.x + 1] = tangent.y;
+  tangent_stream[tangent_at.x + 2] = tangent.z;
+  tangent_stream[tangent_at.x + 3] = vertex.tangent.z;
+}
 
-  const vec3 position = centre + origin;
-  const uint base = d * LIMBER_SKIN_VERTEX_FLOATS;
-  vertices[base] = position.x;
-  vertices[base + 1] = position.y;
-  vertices[base + 2] = position.z;
-  vertices[base + 3] = normal.x;
-  vertices[base + 4] = normal.y;
-  vertices[base + 5] = normal.z;
-  vertices[base + 6] = tangent.x;
-  vertices[base + 7] = tangent.y;
-  vertices[base + 8] = tangent.z;
-  vertices[base + 9] = vertex.tangent.z;
+void main() {
+  const uint d = gl_GlobalInvocationID.x;
+  if (d >= num_draw_vertices) return;
+  const uint instance = InstanceOfDispatch();
+  const Record record = records[instance];
+  const uint first_position = instance * num_solve_vertices;
+  const DrawVertex vertex = draw_vertices[d];
+  const vec3 centre = positions[first_position + vertex.solve_vertex].xyz;
+  const uvec4 at = record.stream_first + d * record.stream_step;
+  const uvec4 step = record.stream_step;
+
+  if (step.y != 0 || step.z != 0) {
+    WriteFrame(vertex, SumCorners(vertex.normal_group, first_position, centre),
+               uvec2(at.y, step.y), uvec2(at.z, step.z));
+  }
+  const vec3 position = centre + record.origin;
+  if (step.x != 0) {
+    position_stream[at.x] = position.x;
+    position_stream[at.x + 1] = position.y;
+    position_stream[at.x + 2] = position.z;
+  }
+  if (step.w != 0) {
+    vec3 last = position;
+    if (record.last != LIMBER_SKIN_NO_LAST) {
+      last = last_positions[record.last + vertex.solve_vertex].xyz + record.last_origin;
+    }
+    last_position_stream[at.w] = last.x;
+    last_position_stream[at.w + 1] = last.y;
+    last_position_stream[at.w + 2] = last.z;
+  }
 }
