@@ -65,6 +65,28 @@ CallStatus ReadDef(const Def* def, const char* name, Def* full) {
   return {};
 }
 
+// An array of Defs as the caller's header has them, which may be shorter than this library's.
+template <class Def>
+class DefArray {
+ public:
+  explicit DefArray(const Def* defs)
+      : bytes_(reinterpret_cast<const unsigned char*>(defs)),
+        size_(SizeOf(defs)) {}
+
+  const Def* At(uint32_t i) const {
+    return reinterpret_cast<const Def*>(bytes_ + size_t{i} * size_);
+  }
+
+ private:
+  // A size that is none is refused where the first is read.
+  static size_t SizeOf(const Def* defs) {
+    return defs == nullptr || defs->struct_size > sizeof(Def) ? sizeof(Def) : defs->struct_size;
+  }
+
+  const unsigned char* bytes_;
+  size_t size_;
+};
+
 }  // namespace limber::capi
 
 // Hands a failed CallStatus to the caller.

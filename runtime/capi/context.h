@@ -45,18 +45,29 @@ struct HandleWishes {
 };
 
 struct Instance {
-  Instance(const LimberInstanceDef& with, PoseState pose, std::shared_ptr<SkinShare> skin)
+  Instance(const LimberInstanceDef& with, std::shared_ptr<const Rig> of, PoseState pose,
+           std::shared_ptr<SkinShare> skin)
       : def(with),
+        rig(std::move(of)),
         state(std::move(pose)),
         skins(std::move(skin)),
         wishes(static_cast<size_t>(state.rig().num_handles())) {}
 
   LimberInstanceDef def;
+  std::shared_ptr<const Rig> rig;
   PoseState state;
   std::shared_ptr<SkinShare> skins;  // null: made without room for it
   std::vector<HandleWishes> wishes;  // [H], for another rig to take over
   LimberSolveDef last_solve = limberDefaultSolveDef();
   std::atomic<bool> in_crowd = false;  // a call about many is at it
+};
+
+// What another room keeps in a context, unknown to this one.
+struct ContextPart {
+  ContextPart() = default;
+  ContextPart(const ContextPart&) = delete;
+  ContextPart& operator=(const ContextPart&) = delete;
+  virtual ~ContextPart() = default;
 };
 
 }  // namespace limber::capi
@@ -65,6 +76,7 @@ struct LimberContext {
   LimberContextDef def;
   limber::capi::SlotTable<limber::capi::RigEntry> rigs;
   limber::capi::SlotTable<limber::capi::Instance> instances;
+  limber::capi::SlotTable<limber::capi::ContextPart> vulkans;  // capi_vulkan
   mutable std::mutex message_mutex;
   std::string message;  // of the last failure
   std::once_flag workers_once;

@@ -15,7 +15,7 @@ struct Crowd {
   LimberResult* results = nullptr;
   const LimberSolveDef* solve = nullptr;  // read already
   LimberSolveReport* reports = nullptr;
-  const LimberSkinDef* skins = nullptr;
+  DefArray<LimberSkinDef> skins = DefArray<LimberSkinDef>(nullptr);
   std::atomic<LimberResult> failure = LIMBER_SUCCESS;  // the first
 };
 
@@ -25,7 +25,7 @@ CallStatus SolveOne(const Crowd& crowd, uint32_t i, Instance* instance) {
 }
 
 CallStatus SkinOne(const Crowd& crowd, uint32_t i, Instance* instance) {
-  return SkinInstance(crowd.skins + i, instance);
+  return SkinInstance(crowd.skins.At(i), instance);
 }
 
 using DoOne = CallStatus (*)(const Crowd&, uint32_t, Instance*);
@@ -127,7 +127,13 @@ LimberResult limberSkinMany(LimberContext* context, const LimberInstanceId* inst
                             uint32_t count, const LimberSkinDef* defs, LimberResult* results) {
   if (defs == nullptr && count > 0)
     return Call(context, "limberSkinMany", [] { return NullArgument("defs"); });
-  Crowd crowd{"limberSkinMany", context, instances, results, nullptr, nullptr, defs};
+  Crowd crowd{"limberSkinMany",
+              context,
+              instances,
+              results,
+              nullptr,
+              nullptr,
+              DefArray<LimberSkinDef>(defs)};
   return RunCrowd<SkinOne>(&crowd, count);
 }
 

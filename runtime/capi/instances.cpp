@@ -99,7 +99,8 @@ CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
     if (!made.ok()) return made.status();
     skins = std::move(made).value();
   }
-  *instance = std::make_unique<Instance>(def, std::move(state).value(), std::move(skins));
+  *instance =
+      std::make_unique<Instance>(def, entry->rig, std::move(state).value(), std::move(skins));
   return {};
 }
 

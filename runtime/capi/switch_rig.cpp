@@ -50,6 +50,7 @@ CallStatus Switch(RigEntry* entry, Instance* instance) {
     if (of_name >= 0) TakeOver(*instance, handle, of_name, next.get());
   }
   Settle(instance->last_solve, next.get());
+  instance->rig = std::move(next->rig);
   instance->state = std::move(next->state);
   instance->skins = std::move(next->skins);
   instance->wishes = std::move(next->wishes);

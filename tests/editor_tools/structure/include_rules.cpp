@@ -23,7 +23,8 @@ const std::map<std::string, Names> kRuntimeRooms = {
     {"solve", {"core", "rig", "skin"}},
     {"pick", {"core", "rig", "skin"}},
     {"skin_vulkan", {"core", "rig", "skin"}},
-    {"capi", {"core", "rig", "load", "solve", "skin", "skin_vulkan", "pick", "limber"}},
+    {"capi", {"core", "rig", "load", "solve", "skin", "pick", "limber"}},
+    {"capi_vulkan", {"core", "rig", "solve", "skin", "skin_vulkan", "capi", "limber"}},
 };
 const std::map<std::string, Names> kToolRooms = {
     {"threads", {}},
@@ -52,8 +53,9 @@ std::string ForeignViolation(const std::string& half, const std::string& room,
   if (Matches(included, "tiny_?gltf") && room != "load" && room != "import") {
     return "only load and import see tinygltf";
   }
-  if (Matches(included, "^(vulkan/|volk\\.h)") && room != "skin_vulkan" && room != "viewer") {
-    return "only skin_vulkan and viewer see Vulkan";
+  if (Matches(included, "^(vulkan/|volk\\.h)") && room != "skin_vulkan" && room != "viewer" &&
+      room != "include") {
+    return "only skin_vulkan, viewer and limber_vulkan.h see Vulkan";
   }
   if (Matches(included, "^embree") && room != "pick") return "only pick sees Embree";
   if (Matches(included, "^(GLFW/|imgui)") && room != "viewer") {

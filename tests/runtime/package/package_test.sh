@@ -25,13 +25,13 @@ fail() {
   exit 1
 }
 
-# Names of functions that limber.h declares, and what the library shows.
+# Names of functions that the headers of the prefix declare, and what the library shows.
 symbols() {
-  grep -oE '\blimber[A-Z][A-Za-z]*\(' "$top/runtime/include/limber/limber.h" | tr -d '(' |
+  cat "$work"/moved/include/limber/*.h | grep -oE '\blimber[A-Z][A-Za-z]*\(' | tr -d '(' |
     grep -vx limberDefaultContextDef | sort -u > "$work/declared"
   nm -D --defined-only "$1" | awk '$2 != "A" { print $3 }' | sort -u > "$work/exported"
-  diff "$work/declared" "$work/exported" || fail "$1: shows other symbols than limber.h declares"
-  printf 'package: %d symbols, all of limber.h\n' "$(wc -l < "$work/exported")"
+  diff "$work/declared" "$work/exported" || fail "$1: shows other symbols than its headers declare"
+  printf 'package: %d symbols, all of the headers\n' "$(wc -l < "$work/exported")"
 }
 
 cmake --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/log"; exit 1; }
