@@ -1,7 +1,7 @@
 // Which moments of a clip become example shapes, and what these are called.
 #pragma once
 
-#include "animation/animation_clip.h"
+#include "clips/animation_clip.h"
 #include "core/status.h"
 
 #include <span>

@@ -1,7 +1,7 @@
 // The shapes that a clip gives one mesh node.
 #pragma once
 
-#include "animation/animation_clip.h"
+#include "clips/animation_clip.h"
 #include "animation/skin.h"
 #include "animation/skinned_mesh.h"
 #include "animation/skinned_pose.h"

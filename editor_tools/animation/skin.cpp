@@ -2,7 +2,7 @@
 
 #include "core/printable.h"
 #include "import/mesh_node.h"
-#include "import/node_transforms.h"
+#include "clips/node_transforms.h"
 #include "load/gltf_accessor.h"
 #include "load/json_text.h"
 

@@ -1,6 +1,6 @@
 #include "gltf_edit/extend_weights.h"
 
-#include "import/animation_channels.h"
+#include "clips/animation_channels.h"
 #include "load/gltf_accessor.h"
 
 #include <nlohmann/json.hpp>

@@ -6,7 +6,10 @@
 #include "capi/call.h"
 #include "capi/slot_table.h"
 #include "capi/worker_pool.h"
+#include "clips/handle_clips.h"
 #include "core/object_pool.h"
+#include "drive/input_recorder.h"
+#include "drive/spring_follower.h"
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
@@ -31,6 +34,7 @@ struct SkinShare {
 // A loaded rig, and what its instances share, made for the first of them.
 struct RigEntry {
   std::shared_ptr<const Rig> rig;
+  std::shared_ptr<const HandleClips> clips;
   std::mutex mutex;  // of the rest, while it is made
   std::shared_ptr<PoseWorkspaces> workspaces;
   std::shared_ptr<SkinShare> skins;
@@ -45,19 +49,24 @@ struct HandleWishes {
 };
 
 struct Instance {
-  Instance(const LimberInstanceDef& with, std::shared_ptr<const Rig> of, PoseState pose,
+  Instance(const LimberInstanceDef& with, const RigEntry& of, PoseState pose,
            std::shared_ptr<SkinShare> skin)
       : def(with),
-        rig(std::move(of)),
+        rig(of.rig),
+        clips(of.clips),
         state(std::move(pose)),
         skins(std::move(skin)),
-        wishes(static_cast<size_t>(state.rig().num_handles())) {}
+        wishes(static_cast<size_t>(rig->num_handles())),
+        followers(wishes.size()) {}
 
   LimberInstanceDef def;
   std::shared_ptr<const Rig> rig;
+  std::shared_ptr<const HandleClips> clips;
   PoseState state;
-  std::shared_ptr<SkinShare> skins;  // null: made without room for it
-  std::vector<HandleWishes> wishes;  // [H], for another rig to take over
+  std::shared_ptr<SkinShare> skins;         // null: made without room for it
+  std::vector<HandleWishes> wishes;         // [H], for another rig to take over
+  std::vector<SpringFollower> followers;    // [H]
+  std::unique_ptr<InputRecorder> recorder;  // null: nothing is recorded
   LimberSolveDef last_solve = limberDefaultSolveDef();
   std::atomic<bool> in_crowd = false;  // a call about many is at it
 };

@@ -1,5 +1,5 @@
 // limber.h: what holds a character, and how firmly.
-#include "capi/context.h"
+#include "capi/inputs.h"
 
 namespace limber::capi {
 namespace {
@@ -36,29 +36,25 @@ extern "C" {
 
 LimberResult limberPin(LimberContext* context, LimberInstanceId instance, int32_t handle) {
   return CallOn(context, "limberPin", instance,
-                [&](Instance* of) -> CallStatus { return of->state.Pin(handle); });
+                [&](Instance* of) { return Ask(HandleEvent(InputKind::kPin, handle), of); });
 }
 
 LimberResult limberUnpin(LimberContext* context, LimberInstanceId instance, int32_t handle) {
   return CallOn(context, "limberUnpin", instance,
-                [&](Instance* of) -> CallStatus { return of->state.Unpin(handle); });
+                [&](Instance* of) { return Ask(HandleEvent(InputKind::kUnpin, handle), of); });
 }
 
 LimberResult limberSetStiffness(LimberContext* context, LimberInstanceId instance, int32_t handle,
                                 float stiffness) {
-  return CallOn(context, "limberSetStiffness", instance, [&](Instance* of) -> CallStatus {
-    LIMBER_RETURN_IF_FAILED(of->state.SetStiffness(handle, stiffness));
-    of->wishes[static_cast<size_t>(handle)].stiffness = stiffness;
-    return {};
+  return CallOn(context, "limberSetStiffness", instance, [&](Instance* of) {
+    return Ask(HandleEvent(InputKind::kStiffness, handle, stiffness), of);
   });
 }
 
 LimberResult limberSetWeight(LimberContext* context, LimberInstanceId instance, int32_t handle,
                              float weight) {
-  return CallOn(context, "limberSetWeight", instance, [&](Instance* of) -> CallStatus {
-    LIMBER_RETURN_IF_FAILED(of->state.SetWeight(handle, weight));
-    of->wishes[static_cast<size_t>(handle)].weight = weight;
-    return {};
+  return CallOn(context, "limberSetWeight", instance, [&](Instance* of) {
+    return Ask(HandleEvent(InputKind::kWeight, handle, weight), of);
   });
 }
 
@@ -81,12 +77,9 @@ LimberResult limberGrab(LimberContext* context, LimberInstanceId instance,
                         const LimberSkinPoint* point, float stiffness, int32_t* grab) {
   return CallOn(context, "limberGrab", instance, [&](Instance* of) -> CallStatus {
     if (grab == nullptr) return NullArgument("grab");
-    SkinPoint on_skin;
-    LIMBER_RETURN_IF_FAILED(ToSkinPoint(point, of->state.rig(), &on_skin));
-    const Result<int> made = of->state.Grab(on_skin, stiffness);
-    if (!made.ok()) return made.status();
-    *grab = *made;
-    return {};
+    InputEvent event = HandleEvent(InputKind::kGrab, 0, stiffness);
+    LIMBER_RETURN_IF_FAILED(ToSkinPoint(point, of->state.rig(), &event.point));
+    return Ask(event, of, grab);
   });
 }
 
@@ -94,13 +87,15 @@ LimberResult limberSetGrabTarget(LimberContext* context, LimberInstanceId instan
                                  const float position[3]) {
   return CallOn(context, "limberSetGrabTarget", instance, [&](Instance* of) -> CallStatus {
     if (position == nullptr) return NullArgument("position");
-    return of->state.SetGrabTarget(grab, {position[0], position[1], position[2]});
+    InputEvent event = TargetEvent(grab, {position[0], position[1], position[2]});
+    event.kind = InputKind::kGrabTarget;
+    return Ask(event, of);
   });
 }
 
 LimberResult limberRelease(LimberContext* context, LimberInstanceId instance, int32_t grab) {
   return CallOn(context, "limberRelease", instance,
-                [&](Instance* of) -> CallStatus { return of->state.Release(grab); });
+                [&](Instance* of) { return Ask(HandleEvent(InputKind::kRelease, grab), of); });
 }
 
 LimberResult limberGetPlace(LimberContext* context, LimberInstanceId instance,

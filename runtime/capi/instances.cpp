@@ -1,5 +1,6 @@
 // limber.h: instances.
 #include "capi/context.h"
+#include "capi/inputs.h"
 #include "capi/instance_calls.h"
 #include "solve/pose_model.h"
 
@@ -99,15 +100,17 @@ CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
     if (!made.ok()) return made.status();
     skins = std::move(made).value();
   }
-  *instance =
-      std::make_unique<Instance>(def, entry->rig, std::move(state).value(), std::move(skins));
+  *instance = std::make_unique<Instance>(def, *entry, std::move(state).value(), std::move(skins));
+  if (def.record != 0) (*instance)->recorder = MakeRecorder(*entry->rig, room);
   return {};
 }
 
 CallStatus SolveInstance(const LimberSolveDef& def, Instance* instance, LimberSolveReport* report) {
   PoseReport solved;
-  LIMBER_RETURN_IF_FAILED(instance->state.Solve(OptionsOf(def), &solved));
+  const PoseOptions options = OptionsOf(def);
+  LIMBER_RETURN_IF_FAILED(instance->state.Solve(options, &solved));
   instance->last_solve = def;
+  if (instance->recorder != nullptr) RecordSolve(options, solved.iterations, instance);
   if (report != nullptr) {
     *report = {solved.energy, solved.change, solved.iterations, solved.settled ? 1 : 0,
                solved.at_rest ? 1 : 0};
@@ -193,45 +196,6 @@ LimberResult limberCreateInstance(LimberContext* context, LimberRigId rig,
 LimberResult limberDestroyInstance(LimberContext* context, LimberInstanceId instance) {
   return CallOn(context, "limberDestroyInstance", instance, [&](Instance*) -> CallStatus {
     context->instances.Remove({instance.index, instance.generation});
-    return {};
-  });
-}
-
-LimberResult limberSetTarget(LimberContext* context, LimberInstanceId instance, int32_t handle,
-                             const float position[3]) {
-  return CallOn(context, "limberSetTarget", instance, [&](Instance* of) -> CallStatus {
-    if (position == nullptr) return NullArgument("position");
-    return of->state.SetTarget(handle, {position[0], position[1], position[2]});
-  });
-}
-
-LimberResult limberSetTargetRotation(LimberContext* context, LimberInstanceId instance,
-                                     int32_t handle, const float rotation[4], float stiffness) {
-  return CallOn(context, "limberSetTargetRotation", instance, [&](Instance* of) -> CallStatus {
-    if (rotation == nullptr) return NullArgument("rotation");
-    const Quaternion turn = {rotation[0], rotation[1], rotation[2], rotation[3]};
-    LIMBER_RETURN_IF_FAILED(of->state.SetRotation(handle, turn, stiffness));
-    HandleWishes& wishes = of->wishes[static_cast<size_t>(handle)];
-    wishes.is_turned = true;
-    wishes.rotation = turn;
-    wishes.rotation_stiffness = stiffness;
-    return {};
-  });
-}
-
-LimberResult limberClearTargetRotation(LimberContext* context, LimberInstanceId instance,
-                                       int32_t handle) {
-  return CallOn(context, "limberClearTargetRotation", instance, [&](Instance* of) -> CallStatus {
-    LIMBER_RETURN_IF_FAILED(of->state.ClearRotation(handle));
-    of->wishes[static_cast<size_t>(handle)].is_turned = false;
-    return {};
-  });
-}
-
-LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance) {
-  return CallOn(context, "limberResetToRest", instance, [&](Instance* of) -> CallStatus {
-    of->state.ResetToRest();
-    std::fill(of->wishes.begin(), of->wishes.end(), HandleWishes());
     return {};
   });
 }

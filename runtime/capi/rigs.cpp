@@ -14,11 +14,25 @@ CallStatus ReadRigDef(const LimberRigDef* def, RigLoadOptions* options) {
   return {};
 }
 
-CallStatus Keep(Result<std::shared_ptr<const Rig>> loaded, LimberContext* context,
+// Clips that cannot be read are no reason to have no character.
+void Warn(const LimberContext& context, const std::vector<std::string>& warnings) {
+  if (context.def.log == nullptr) return;
+  for (const std::string& warning : warnings)
+    context.def.log(context.def.log_user, LIMBER_SEVERITY_WARNING, warning.c_str());
+}
+
+CallStatus Load(const Result<GltfFile>& file, const RigLoadOptions& options, LimberContext* context,
                 LimberRigId* rig) {
+  if (!file.ok()) return file.status();
+  auto loaded = LoadRig(*file, options);
   if (!loaded.ok()) return loaded.status();
   auto entry = std::make_unique<RigEntry>();
   entry->rig = std::move(loaded).value();
+  std::vector<std::string> warnings;
+  auto clips = HandleClips::Read(*file, *entry->rig, options.rig_index, &warnings);
+  if (!clips.ok()) return clips.status();
+  entry->clips = std::move(clips).value();
+  Warn(*context, warnings);
   SlotId id;
   if (!context->rigs.Insert(std::move(entry), &id))
     return {LIMBER_ERROR_LIMIT_EXCEEDED, "a million rigs are there already"};
@@ -55,7 +69,8 @@ LimberResult limberLoadRig(LimberContext* context, const char* path, const Limbe
     if (rig == nullptr) return NullArgument("rig");
     RigLoadOptions options;
     LIMBER_RETURN_IF_FAILED(ReadRigDef(def, &options));
-    return Keep(LoadRig(std::filesystem::u8path(path), options), context, rig);
+    return Load(GltfFile::Open(std::filesystem::u8path(path), options.limits), options, context,
+                rig);
   });
 }
 
@@ -67,7 +82,8 @@ LimberResult limberLoadRigFromMemory(LimberContext* context, const void* bytes, 
     RigLoadOptions options;
     LIMBER_RETURN_IF_FAILED(ReadRigDef(def, &options));
     const std::span file(static_cast<const uint8_t*>(bytes), num_bytes);
-    return Keep(LoadRigFromMemory(file, name == nullptr ? "memory" : name, options), context, rig);
+    return Load(GltfFile::Parse(file, name == nullptr ? "memory" : name, options.limits), options,
+                context, rig);
   });
 }
 

@@ -42,7 +42,9 @@ void Settle(const LimberSolveDef& last, Instance* instance) {
 
 CallStatus Switch(RigEntry* entry, Instance* instance) {
   std::unique_ptr<Instance> next;
-  LIMBER_RETURN_IF_FAILED(MakeInstance(instance->def, entry, &next));
+  LimberInstanceDef def = instance->def;
+  def.record = 0;
+  LIMBER_RETURN_IF_FAILED(MakeInstance(def, entry, &next));
   const Rig& old = instance->state.rig();
   for (int32_t handle = 0; handle < old.num_handles(); ++handle) {
     const int32_t of_name =
@@ -51,9 +53,12 @@ CallStatus Switch(RigEntry* entry, Instance* instance) {
   }
   Settle(instance->last_solve, next.get());
   instance->rig = std::move(next->rig);
+  instance->clips = std::move(next->clips);
   instance->state = std::move(next->state);
   instance->skins = std::move(next->skins);
   instance->wishes = std::move(next->wishes);
+  instance->followers = std::move(next->followers);
+  instance->recorder = nullptr;  // it was of the old rig
   return {};
 }
 

@@ -192,6 +192,7 @@ typedef struct LimberInstanceDef {
   int32_t guaranteed;    /* 1: room for LimberSolveDef::guaranteed (0) */
   int32_t skin;          /* 1: limberSkin may be called (1) */
   int32_t max_grabs;     /* points of the skin that may be held at once (4) */
+  int32_t record;        /* 1: what is asked of it is written down for limberGetRecording (0) */
 } LimberInstanceDef;
 
 LIMBER_API LimberInstanceDef limberDefaultInstanceDef(void);
@@ -349,6 +350,92 @@ LIMBER_API LimberSkinDef limberDefaultSkinDef(void);
  * room). */
 LIMBER_API LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                                    const LimberSkinDef* def);
+
+/* ---- Input that moves by itself ------------------------------------------------------------- */
+
+typedef struct LimberFollowDef {
+  uint32_t cookie, struct_size;
+  double time_step; /* seconds since the last call for this handle (0) */
+  double frequency; /* Hz of the spring: how fast the handle follows (3) */
+  double damping;   /* 1: as fast as can be without overshoot; below, it swings (1) */
+  double reach;     /* no further from any other held handle's target than this times their longest
+                       way over the skin in any example; 0: no limit (1) */
+} LimberFollowDef;
+
+LIMBER_API LimberFollowDef limberDefaultFollowDef(void);
+
+/* Moves a held handle's target towards a goal that may jump or jitter (a stick, a pointer, a hand),
+ * like a weight on a damped spring: the same at any frame rate, for goals that move straight
+ * between two calls. It goes on from the handle's target, at rest where that was set by other
+ * means. [frame] Errors, the target staying: those of limberSetTarget; INVALID_ARGUMENT (def: out
+ * of range), STRUCT_NOT_DEFAULT. */
+LIMBER_API LimberResult limberFollow(LimberContext* context, LimberInstanceId instance,
+                                     int32_t handle, const float goal[3],
+                                     const LimberFollowDef* def);
+
+/* The file's own animations that move a handle's node, or one above it beneath the mesh's. One that
+ * cannot be read is left out, with a warning to the log when the rig is loaded. Any thread. */
+LIMBER_API LimberResult limberGetNumClips(LimberContext* context, LimberRigId rig, int32_t* count);
+
+typedef struct LimberClipInfo {
+  const char* name; /* UTF-8, "clip_2" where the file has none; lives until the rig is destroyed */
+  double duration;  /* seconds */
+  int32_t num_handles; /* that it moves */
+} LimberClipInfo;
+
+LIMBER_API LimberResult limberGetClipInfo(LimberContext* context, LimberRigId rig, int32_t clip,
+                                          LimberClipInfo* info);
+
+/* The number of the first clip of that name. Errors: STALE_ID, INVALID_ARGUMENT, NOT_FOUND (the
+ * message lists what there is). */
+LIMBER_API LimberResult limberFindClip(LimberContext* context, LimberRigId rig, const char* name,
+                                       int32_t* clip);
+
+typedef struct LimberClipDef {
+  uint32_t cookie, struct_size;
+  int32_t clip;
+  int32_t loops;     /* 1: time goes round; 0: the clip holds at its ends (1) */
+  double time;       /* seconds */
+  float weight;      /* from 0, the handles stay where they are asked to be, to 1, they go all the
+                        way to the clip: two clips in turn, the second with a weight, are mixed (1) */
+  int32_t rotations; /* 1: handles that the clip turns get target rotations as well (1) */
+  float rotation_stiffness; /* of those (LIMBER_HELD_EXACTLY) */
+} LimberClipDef;
+
+LIMBER_API LimberClipDef limberDefaultClipDef(void);
+
+/* Sets the targets of the handles that a clip moves to where it has them at a time; handles that
+ * are not held are left alone. [frame] as limberSetTarget and limberSetTargetRotation. Errors:
+ * theirs (handles before the one that is named have moved); INVALID_ARGUMENT (no such clip). */
+LIMBER_API LimberResult limberApplyClip(LimberContext* context, LimberInstanceId instance,
+                                        const LimberClipDef* def);
+
+/* ---- Recordings ------------------------------------------------------------------------------ */
+
+/* Copies what was asked of an instance since it was made (LimberInstanceDef::record): for tests and
+ * bug reports, some 50 bytes a frame. At most `size` bytes are copied; *needed is what the whole
+ * has. Frames of a recorded instance may allocate. Errors: STALE_ID, INVALID_ARGUMENT, UNSUPPORTED
+ * (nothing is recorded; a recording ends with limberSwitchRig, or for want of memory). */
+LIMBER_API LimberResult limberGetRecording(LimberContext* context, LimberInstanceId instance,
+                                           void* bytes, size_t size, size_t* needed);
+
+/* Called after each solve of a replay, with an instance that lives as long as the replay: to skin
+ * it, to look at it. Other than 0 ends the replay. */
+typedef int32_t (*LimberReplayFunction)(void* user, LimberInstanceId instance, uint32_t frame);
+
+typedef struct LimberReplayReport {
+  uint32_t num_frames;      /* solves */
+  uint32_t num_different;   /* whose pose has not the recorded bits: another kind of machine or
+                               another version of Limber, or a bug */
+  uint32_t first_different; /* where num_different is not 0 */
+} LimberReplayReport;
+
+/* Asks all of a recording once more, of an instance made for it. `on_frame` and `report` may be
+ * null. The bytes may come from anywhere. Errors: STALE_ID, INVALID_ARGUMENT, MALFORMED,
+ * VERSION_MISMATCH, MESH_MISMATCH (recorded with another bake), OUT_OF_MEMORY. */
+LIMBER_API LimberResult limberReplay(LimberContext* context, LimberRigId rig, const void* bytes,
+                                     size_t num_bytes, LimberReplayFunction on_frame, void* user,
+                                     LimberReplayReport* report);
 
 /* ---- Many at once -------------------------------------------------------------------------- */
 

@@ -132,6 +132,22 @@ class Instance : public Owned<LimberInstanceId, limberDestroyInstance> {
 
   void ResetToRest() { Check(limberResetToRest(context_, id_), context_); }
 
+  void Follow(int32_t handle, const Point& goal, const LimberFollowDef& def) {
+    Check(limberFollow(context_, id_, handle, goal.data(), &def), context_);
+  }
+
+  void ApplyClip(const LimberClipDef& def) {
+    Check(limberApplyClip(context_, id_, &def), context_);
+  }
+
+  std::vector<unsigned char> Recording() const {
+    size_t size = 0;
+    Check(limberGetRecording(context_, id_, nullptr, 0, &size), context_);
+    std::vector<unsigned char> bytes(size);
+    Check(limberGetRecording(context_, id_, bytes.data(), size, &size), context_);
+    return bytes;
+  }
+
   LimberSolveReport Solve(const LimberSolveDef* def = nullptr) {
     LimberSolveReport report = {};
     Check(limberSolve(context_, id_, def, &report), context_);
@@ -170,6 +186,12 @@ class Rig : public Owned<LimberRigId, limberDestroyRig> {
     int32_t handle = -1;
     Check(limberFindHandle(context_, id_, name.c_str(), &handle), context_);
     return handle;
+  }
+
+  int32_t FindClip(const std::string& name) const {
+    int32_t clip = -1;
+    Check(limberFindClip(context_, id_, name.c_str(), &clip), context_);
+    return clip;
   }
 
   Instance MakeInstance(const LimberInstanceDef* def = nullptr) const {

@@ -20,7 +20,7 @@ constexpr double kRounding = 2e-6;  // the files hold single precision
 struct OpenBar {
   explicit OpenBar(const GltfParts& parts)
       : file(GltfFile::Parse(parts.Glb(), "bar.glb").value()),
-        clip(bake::ReadAnimationClip(file, 0).value()),
+        clip(ReadAnimationClip(file, 0).value()),
         shapes(bake::ClipShapes::Create(file, kBarMeshNode).value()) {}
 
   PosedPrimitive At(double time, bool in_place = false) const {
@@ -28,7 +28,7 @@ struct OpenBar {
   }
 
   GltfFile file;
-  bake::AnimationClip clip;
+  AnimationClip clip;
   bake::ClipShapes shapes;
 };
 
@@ -243,7 +243,7 @@ TEST(ClipDeforms, OnlyWhatMovesAJointOrAWeight_Counts) {
   const GltfFile file = GltfFile::Parse(parts.Glb(), "bar.glb").value();
   const std::vector<bool> expected = {true, false, false, false, true, true};
   for (size_t a = 0; a < expected.size(); ++a) {
-    const auto clip = bake::ReadAnimationClip(file, static_cast<int>(a));
+    const auto clip = ReadAnimationClip(file, static_cast<int>(a));
     ASSERT_TRUE(clip.ok()) << clip.status().message();
     EXPECT_EQ(bake::ClipDeforms(file, *clip, kBarMeshNode), expected[a]) << a;
   }

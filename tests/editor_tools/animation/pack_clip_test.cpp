@@ -49,7 +49,7 @@ class PackClip : public testing::Test {
 };
 
 bake::PosedPrimitive ShapeOf(const GltfFile& file, int animation, double time) {
-  const auto clip = bake::ReadAnimationClip(file, animation);
+  const auto clip = ReadAnimationClip(file, animation);
   EXPECT_TRUE(clip.ok()) << clip.status().message();
   const auto shapes = bake::ClipShapes::Create(file, kBarMeshNode);
   EXPECT_TRUE(shapes.ok()) << shapes.status().message();
@@ -207,8 +207,8 @@ TEST_F(PackClip, RobotsHand_IsPackedFromItsOwnFile) {
   EXPECT_EQ(mesh->targets.size(), 4u);
 }
 
-bake::AnimationClip ClipOfLength(double duration) {
-  bake::AnimationClip clip;
+AnimationClip ClipOfLength(double duration) {
+  AnimationClip clip;
   clip.name = "Run";
   clip.duration = duration;
   return clip;
@@ -225,7 +225,7 @@ TEST(ClipMoments, SpreadOverALoop_LeavesOutItsEnd) {
 TEST(ClipMoments, SpreadMoments_AreEvenToAHundredthOfTheirDistanceAndHaveShortNames) {
   for (const double duration : {0.0123, 0.958333, 7.0, 3600.0 / 7}) {
     for (const int count : {2, 3, 30}) {
-      const bake::AnimationClip clip = ClipOfLength(duration);
+      const AnimationClip clip = ClipOfLength(duration);
       const auto moments = bake::SpreadMoments(clip, count, true).value();
       ASSERT_EQ(moments.size(), static_cast<size_t>(count));
       for (int k = 0; k < count; ++k) {
@@ -244,17 +244,17 @@ TEST(ClipMoments, Names_AreAsShortAsTheTime) {
 }
 
 TEST(ClipMoments, ImpossibleTimes_AreRefusedWithTheLength) {
-  const bake::AnimationClip clip = ClipOfLength(0.9583);
+  const AnimationClip clip = ClipOfLength(0.9583);
   const double kNan = std::nan("");
   for (const std::vector<double>& times :
        std::vector<std::vector<double>>{{}, {-0.1}, {kNan}, {HUGE_VAL}, {0.96}, {0.1, 0.2, 0.1}}) {
-    EXPECT_EQ(CheckMoments(clip, times).status().code(), StatusCode::kInvalidArgument);
+    EXPECT_EQ(bake::CheckMoments(clip, times).status().code(), StatusCode::kInvalidArgument);
   }
-  EXPECT_NE(CheckMoments(clip, std::vector<double>{2}).status().message().find("0.958 s"),
+  EXPECT_NE(bake::CheckMoments(clip, std::vector<double>{2}).status().message().find("0.958 s"),
             std::string::npos);
   // The length as the message shows it may be given back.
-  EXPECT_TRUE(CheckMoments(clip, std::vector<double>{0.958}).ok());
-  EXPECT_TRUE(CheckMoments(ClipOfLength(0.95796), std::vector<double>{0.958}).ok());
+  EXPECT_TRUE(bake::CheckMoments(clip, std::vector<double>{0.958}).ok());
+  EXPECT_TRUE(bake::CheckMoments(ClipOfLength(0.95796), std::vector<double>{0.958}).ok());
   EXPECT_FALSE(bake::SpreadMoments(ClipOfLength(0), 2, true).ok());
   EXPECT_TRUE(bake::SpreadMoments(ClipOfLength(0), 1, true).ok());
 }

@@ -65,7 +65,7 @@ GltfFile AppendTo(const GltfParts& parts) {
 
 // The mesh of a node at a moment of a clip.
 bake::PointMatrix ShapeOf(const GltfFile& file, int clip_index, int node, double time) {
-  const auto clip = bake::ReadAnimationClip(file, clip_index);
+  const auto clip = ReadAnimationClip(file, clip_index);
   EXPECT_TRUE(clip.ok()) << clip.status().message();
   const auto shapes = bake::ClipShapes::Create(file, node);
   EXPECT_TRUE(shapes.ok()) << shapes.status().message();

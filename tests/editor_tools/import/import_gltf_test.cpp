@@ -1,6 +1,6 @@
 #include "import/import_gltf.h"
 
-#include "import/node_transforms.h"
+#include "clips/node_transforms.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -113,7 +113,7 @@ TEST(WorldTransforms, LongChain_NeedsNoStack) {
   const auto file =
       GltfFile::Parse({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, "chain");
   ASSERT_TRUE(file.ok()) << file.status().message();
-  EXPECT_EQ(bake::WorldTransforms(*file)[0](0, 3), kLength);
+  EXPECT_EQ(WorldTransforms(*file)[0](0, 3), kLength);
 }
 
 }  // namespace

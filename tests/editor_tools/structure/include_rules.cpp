@@ -19,11 +19,13 @@ const std::map<std::string, Names> kRuntimeRooms = {
     {"core", {}},
     {"rig", {"core"}},
     {"load", {"core", "rig"}},
+    {"clips", {"core", "rig", "load"}},
     {"skin", {"core", "rig"}},
     {"solve", {"core", "rig", "skin"}},
+    {"drive", {"core", "rig", "skin", "solve"}},
     {"pick", {"core", "rig", "skin"}},
     {"skin_vulkan", {"core", "rig", "skin"}},
-    {"capi", {"core", "rig", "load", "solve", "skin", "pick", "limber"}},
+    {"capi", {"core", "rig", "load", "clips", "solve", "skin", "drive", "pick", "limber"}},
     {"capi_vulkan", {"core", "rig", "solve", "skin", "skin_vulkan", "capi", "limber"}},
 };
 const std::map<std::string, Names> kToolRooms = {
@@ -61,8 +63,8 @@ std::string ForeignViolation(const std::string& half, const std::string& room,
   if (Matches(included, "^(GLFW/|imgui)") && room != "viewer") {
     return "only viewer sees windows";
   }
-  if (half == "runtime" && Matches(included, "^nlohmann/") && room != "load") {
-    return "only load parses JSON in the runtime";
+  if (half == "runtime" && Matches(included, "^nlohmann/") && room != "load" && room != "clips") {
+    return "only load and clips parse JSON in the runtime";
   }
   if (half == "runtime" && Matches(included, "^CLI/")) return "the runtime has no command line";
   return "";

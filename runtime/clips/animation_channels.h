@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace limber::bake {
+namespace limber {
 
 enum class Interpolation { kStep, kLinear, kCubicSpline };
 
@@ -34,4 +34,4 @@ std::string AnimationName(const GltfFile& file, size_t animation);
 // number that is not in the file, an interpolation that glTF does not know).
 Result<std::vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file, size_t animation);
 
-}  // namespace limber::bake
+}  // namespace limber

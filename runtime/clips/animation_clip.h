@@ -1,15 +1,15 @@
 // One animation of a glTF, and the state that it gives the scene at a moment.
 #pragma once
 
-#include "animation/keyframe_track.h"
+#include "clips/keyframe_track.h"
+#include "clips/node_transforms.h"
 #include "core/status.h"
-#include "import/node_transforms.h"
 #include "load/gltf_file.h"
 
 #include <string>
 #include <vector>
 
-namespace limber::bake {
+namespace limber {
 
 enum class ClipPath { kTranslation, kRotation, kScale, kWeights };
 
@@ -47,4 +47,4 @@ void ApplyClip(const AnimationClip& clip, double time, std::vector<NodeTransform
 void ApplyClipWeights(const AnimationClip& clip, double time, int node,
                       std::vector<double>* weights);
 
-}  // namespace limber::bake
+}  // namespace limber

@@ -1,5 +1,5 @@
 // Values between keyframes against closed forms.
-#include "animation/keyframe_track.h"
+#include "clips/keyframe_track.h"
 
 #include "editor_tools/animation/animated_bar.h"
 
@@ -9,9 +9,6 @@
 
 namespace limber::test {
 namespace {
-
-using bake::Interpolation;
-using bake::KeyframeTrack;
 
 constexpr double kExact = 1e-12;
 
@@ -122,7 +119,7 @@ TEST(KeyframeTrack, NormalisedIntegers_StandForTheirFractions) {
   const size_t output = parts.AddNormalisedShorts({0, 0, 0, 32767, 0, 0, 32767, -32768}, "VEC4");
   const auto file = GltfFile::Parse(parts.Glb(), "bar.glb");
   ASSERT_TRUE(file.ok()) << file.status().message();
-  bake::AnimationChannel channel;
+  AnimationChannel channel;
   channel.input = static_cast<int>(input);
   channel.output = static_cast<int>(output);
   const auto track = ReadKeyframeTrack(*file, channel, 4, true);

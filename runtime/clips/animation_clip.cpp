@@ -1,14 +1,15 @@
-#include "animation/animation_clip.h"
+#include "clips/animation_clip.h"
 
 #include "core/printable.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 
-namespace limber::bake {
+namespace limber {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -127,7 +128,8 @@ void ApplyClip(const AnimationClip& clip, double time, std::vector<NodeTransform
       node.rotation = SampleRotation(channel.track, time);
       continue;
     }
-    const std::vector<double> value = SampleTrack(channel.track, time);
+    std::array<double, 3> value{};
+    SampleTrack(channel.track, time, value);
     Eigen::Vector3d& moved = channel.path == ClipPath::kTranslation ? node.translation : node.scale;
     moved = Eigen::Vector3d(value[0], value[1], value[2]);
   }
@@ -142,4 +144,4 @@ void ApplyClipWeights(const AnimationClip& clip, double time, int node,
   }
 }
 
-}  // namespace limber::bake
+}  // namespace limber

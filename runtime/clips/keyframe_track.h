@@ -1,15 +1,15 @@
 // Values over time, given at keyframes (glTF 2.0, appendix C).
 #pragma once
 
+#include "clips/animation_channels.h"
 #include "core/status.h"
-#include "import/animation_channels.h"
 
 #include <Eigen/Geometry>
 
 #include <span>
 #include <vector>
 
-namespace limber::bake {
+namespace limber {
 
 struct KeyframeTrack {
   Interpolation interpolation = Interpolation::kLinear;
@@ -32,11 +32,12 @@ Result<KeyframeTrack> ReadKeyframeTrack(const GltfFile& file, const AnimationCha
                                         size_t components, bool is_vector);
 
 // The value at a time, each number on its own; before the first and after the last keyframe it is
-// theirs.
+// theirs. value: [C].
+void SampleTrack(const KeyframeTrack& track, double time, std::span<double> value);
 std::vector<double> SampleTrack(const KeyframeTrack& track, double time);
 
 // The same of rotations (C = 4, x y z w): LINEAR along the shorter great arc at constant speed; a
-// unit quaternion. No rotation where the keyframes' quaternions are zero.
+// unit quaternion. Allocates nothing. No rotation where the keyframes' quaternions are zero.
 Eigen::Quaterniond SampleRotation(const KeyframeTrack& track, double time);
 
-}  // namespace limber::bake
+}  // namespace limber

@@ -1,4 +1,4 @@
-#include "import/animation_channels.h"
+#include "clips/animation_channels.h"
 
 #include "load/json_text.h"
 
@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace limber::bake {
+namespace limber {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -129,4 +129,4 @@ Result<std::vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file
   return channels;
 }
 
-}  // namespace limber::bake
+}  // namespace limber

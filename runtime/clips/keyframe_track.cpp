@@ -1,10 +1,11 @@
-#include "animation/keyframe_track.h"
+#include "clips/keyframe_track.h"
 
 #include "load/gltf_accessor.h"
 
 #include <algorithm>
+#include <array>
 
-namespace limber::bake {
+namespace limber {
 namespace {
 
 // Between which keyframes a time lies, and where.
@@ -35,26 +36,23 @@ std::span<const double> KeyPart(const KeyframeTrack& track, size_t key, SplinePa
   return std::span(track.values).subspan(row * track.components, track.components);
 }
 
-std::vector<double> Linear(std::span<const double> from, std::span<const double> to, double u) {
-  std::vector<double> value(from.size());
+void Linear(std::span<const double> from, std::span<const double> to, double u,
+            std::span<double> value) {
   for (size_t c = 0; c < value.size(); ++c)
     value[c] = (1 - u) * from[c] + u * to[c];
-  return value;
 }
 
 // Hermite's basis (glTF 2.0, appendix C.5); tangents are per second.
-std::vector<double> CubicSpline(const KeyframeTrack& track, const Segment& segment) {
+void CubicSpline(const KeyframeTrack& track, const Segment& segment, std::span<double> value) {
   const double u = segment.fraction, u2 = u * u, u3 = u2 * u;
   const auto from = KeyPart(track, segment.from, SplinePart::kValue);
   const auto to = KeyPart(track, segment.to, SplinePart::kValue);
   const auto out = KeyPart(track, segment.from, SplinePart::kOutTangent);
   const auto in = KeyPart(track, segment.to, SplinePart::kInTangent);
-  std::vector<double> value(track.components);
   for (size_t c = 0; c < value.size(); ++c) {
     value[c] = (2 * u3 - 3 * u2 + 1) * from[c] + (u3 - 2 * u2 + u) * segment.duration * out[c] +
                (3 * u2 - 2 * u3) * to[c] + (u3 - u2) * segment.duration * in[c];
   }
-  return value;
 }
 
 Eigen::Quaterniond UnitQuaternion(std::span<const double> xyzw) {
@@ -101,19 +99,29 @@ Result<KeyframeTrack> ReadKeyframeTrack(const GltfFile& file, const AnimationCha
   return track;
 }
 
-std::vector<double> SampleTrack(const KeyframeTrack& track, double time) {
+void SampleTrack(const KeyframeTrack& track, double time, std::span<double> value) {
   const Segment segment = FindSegment(track.times, time);
   const auto from = KeyPart(track, segment.from, SplinePart::kValue);
   if (segment.from == segment.to || track.interpolation == Interpolation::kStep) {
-    return {from.begin(), from.end()};
+    std::copy(from.begin(), from.end(), value.begin());
+  } else if (track.interpolation == Interpolation::kCubicSpline) {
+    CubicSpline(track, segment, value);
+  } else {
+    Linear(from, KeyPart(track, segment.to, SplinePart::kValue), segment.fraction, value);
   }
-  if (track.interpolation == Interpolation::kCubicSpline) return CubicSpline(track, segment);
-  return Linear(from, KeyPart(track, segment.to, SplinePart::kValue), segment.fraction);
+}
+
+std::vector<double> SampleTrack(const KeyframeTrack& track, double time) {
+  std::vector<double> value(track.components);
+  SampleTrack(track, time, value);
+  return value;
 }
 
 Eigen::Quaterniond SampleRotation(const KeyframeTrack& track, double time) {
   if (track.interpolation != Interpolation::kLinear) {
-    return UnitQuaternion(SampleTrack(track, time));
+    std::array<double, 4> xyzw{};
+    SampleTrack(track, time, xyzw);
+    return UnitQuaternion(xyzw);
   }
   const Segment segment = FindSegment(track.times, time);
   const Eigen::Quaterniond from = UnitQuaternion(KeyPart(track, segment.from, SplinePart::kValue));
@@ -121,4 +129,4 @@ Eigen::Quaterniond SampleRotation(const KeyframeTrack& track, double time) {
   return from.slerp(segment.fraction, to);
 }
 
-}  // namespace limber::bake
+}  // namespace limber

@@ -1,10 +1,10 @@
-#include "import/node_transforms.h"
+#include "clips/node_transforms.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
 
-namespace limber::bake {
+namespace limber {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -93,4 +93,4 @@ std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file) {
   return WorldTransforms(file, LocalTransforms(file));
 }
 
-}  // namespace limber::bake
+}  // namespace limber

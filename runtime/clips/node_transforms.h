@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace limber::bake {
+namespace limber {
 
 // Where a node stands in its parent: translation * rotation * scale (glTF 2.0, section 3.5.3), or a
 // matrix instead of the three.
@@ -37,4 +37,4 @@ std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
 // The same at rest.
 std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file);
 
-}  // namespace limber::bake
+}  // namespace limber
