@@ -30,7 +30,7 @@ declare -A packages=(
     libgtest-dev libbenchmark-dev"
   [pictures]="mesa-vulkan-drivers imagemagick"
   [tests]="git vulkan-validationlayers spirv-tools xvfb xauth xdotool clang-format clang-tidy
-    shellcheck coinor-libipopt-dev"
+    shellcheck coinor-libipopt-dev libogre-1.12-dev"
 )
 
 say() { printf 'setup: %s\n' "$*"; }
@@ -100,7 +100,7 @@ setup_by_hand() {
   say "    the Vulkan headers and volk"
   say "  to run: a Vulkan 1.1 device (Mesa lavapipe will do); ImageMagick for contact sheets"
   say "  to test: GoogleTest, Google Benchmark, Vulkan validation layers, spirv-val, Xvfb, xdotool, npm;"
-  say "    Ipopt if you have it (a few comparisons are skipped without)"
+  say "    Ipopt and OGRE 1.12 if you have them (what needs them is skipped without)"
   [[ ${#absent[@]} -eq 0 ]] || fail "these commands are missing: ${absent[*]}"
 }
 
