@@ -14,9 +14,7 @@ class Vulkan : public Owned<LimberVulkanId, limberDestroyVulkan> {
   Vulkan(const Context& context, const LimberVulkanDef& def)
       : Owned(context.get(), Create(context.get(), def)) {}
 
-  void Prepare(const Rig& rig) {
-    Check(limberPrepareVulkanRig(context_, id_, rig.id()), context_);
-  }
+  void Prepare(const Rig& rig) { Check(limberPrepareVulkanRig(context_, id_, rig.id()), context_); }
 
   void RecordSkins(const LimberVulkanFrameDef& frame,
                    const std::vector<LimberVulkanSkinDef>& skins) {

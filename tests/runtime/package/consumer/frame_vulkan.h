@@ -17,7 +17,8 @@ LimberResult Attach(LimberContext* context, const Renderer* renderer, LimberVulk
   return limberCreateVulkan(context, &def, skinning);
 }
 
-/* Each frame, before the render pass: into the renderer's vertex buffer (usage: storage as well). */
+/* Each frame, before the render pass: into the renderer's vertex buffer (usage: storage as well).
+ */
 LimberResult RecordSkin(LimberContext* context, LimberVulkanId skinning, VkCommandBuffer commands,
                         uint32_t slot, LimberInstanceId character, VkBuffer vertices,
                         uint32_t num_vertices) {
@@ -32,4 +33,5 @@ LimberResult RecordSkin(LimberContext* context, LimberVulkanId skinning, VkComma
   skin.positions.stride = skin.normals.stride = sizeof(Vertex);
   return limberRecordVulkanSkins(context, skinning, &frame, &skin, 1);
 }
+
 /* [the README's lines end] */
