@@ -57,16 +57,6 @@ CallStatus CheckOutput(const LimberVertexOutput& output, const char* name, size_
               " bytes; a multiple of 4 is needed, of " + std::to_string(size) + " or more"};
 }
 
-template <class T>
-void Write(std::span<const T> from, const LimberVertexOutput& output) {
-  if (output.data == nullptr) return;
-  auto* to = static_cast<unsigned char*>(output.data);
-  for (const T& number : from) {
-    std::memcpy(to, &number, sizeof(T));
-    to += output.stride;
-  }
-}
-
 CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.positions, "positions", sizeof(Vec3)));
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.normals, "normals", sizeof(Vec3)));
@@ -125,20 +115,17 @@ CallStatus SkinInstance(const LimberSkinDef* def, Instance* instance) {
   LIMBER_RETURN_IF_FAILED(CheckSkinDef(full, *instance));
   std::unique_ptr<CpuSkinner> skinner = instance->skins->idle.Take();
   if (skinner == nullptr) {
-    auto made = CpuSkinner::Create(instance->skins->surface);
+    auto made = CpuSkinner::CreateWithoutResults(instance->skins->surface);
     if (!made.ok()) return made.status();
     skinner = std::make_unique<CpuSkinner>(std::move(made).value());
   }
-  const bool with_frames = full.normals.data != nullptr || full.tangents.data != nullptr;
-  const SkinTransforms transforms = instance->state.transforms();
-  LIMBER_RETURN_IF_FAILED(with_frames ? skinner->Skin(transforms)
-                                      : skinner->SkinPositionsOnly(transforms));
-  const DeformedMesh mesh = skinner->result();
-  Write(mesh.positions, full.positions);
-  Write(mesh.normals, full.normals);
-  Write(mesh.tangents, full.tangents);
+  SkinOutputs outputs;
+  outputs.positions = {full.positions.data, full.positions.stride};
+  outputs.normals = {full.normals.data, full.normals.stride};
+  outputs.tangents = {full.tangents.data, full.tangents.stride};
+  const Status skinned = skinner->SkinInto(instance->state.transforms(), outputs);
   instance->skins->idle.Give(std::move(skinner));
-  return {};
+  return skinned;
 }
 
 }  // namespace limber::capi

@@ -1,10 +1,53 @@
 #include "skin/cpu_skinner.h"
 
 #include "core/out_of_memory.h"
-#include "skin/skin_positions.h"
 #include "skin/vec3_math.h"
 
+#include <algorithm>
+#include <cstring>
+
 namespace limber {
+namespace {
+
+// Puts one vertex's numbers in their place, and goes on to the next.
+class Cursor {
+ public:
+  explicit Cursor(const StridedOutput& output)
+      : to_(static_cast<std::byte*>(output.data)),
+        stride_(output.stride) {}
+
+  bool is_wanted() const { return to_ != nullptr; }
+
+  template <class T>
+  void Put(const T& numbers) {
+    if (to_ == nullptr) return;
+    std::memcpy(to_, &numbers, sizeof(T));
+    to_ += stride_;
+  }
+
+ private:
+  std::byte* to_;
+  size_t stride_;
+};
+
+Bounds BoundsOf(std::span<const Vec3> points, Vec3 offset) {
+  if (points.empty()) return {};
+  Bounds bounds = {points[0], points[0]};
+  for (const Vec3& p : points) {
+    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
+                  std::min(bounds.min.z, p.z)};
+    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
+                  std::max(bounds.max.z, p.z)};
+  }
+  return {bounds.min + offset, bounds.max + offset};
+}
+
+template <class T>
+StridedOutput Packed(std::vector<T>* vertices) {
+  return {vertices->data(), sizeof(T)};
+}
+
+}  // namespace
 
 Result<std::shared_ptr<const SkinSurface>> SkinSurface::Create(const SkinMesh& mesh,
                                                                const RigSpace& space) {
@@ -16,20 +59,29 @@ Result<std::shared_ptr<const SkinSurface>> SkinSurface::Create(const SkinMesh& m
   });
 }
 
-Result<CpuSkinner> CpuSkinner::Create(std::shared_ptr<const SkinSurface> surface) {
+Result<CpuSkinner> CpuSkinner::CreateWithoutResults(std::shared_ptr<const SkinSurface> surface) {
   if (surface == nullptr) return Error(StatusCode::kInvalidArgument, "no skin surface was given");
   return CatchOutOfMemory("skin", [&]() -> Result<CpuSkinner> {
     CpuSkinner skinner;
-    const size_t num_solve = surface->layout.num_vertices();
-    const size_t num_draw = surface->topology.draw_vertices.size();
-    skinner.relative_.resize(num_solve);
-    skinner.solve_positions_.resize(num_solve);
-    skinner.positions_.resize(num_draw);
-    skinner.normals_.resize(num_draw);
-    skinner.tangents_.resize(num_draw);
+    skinner.scratch_.resize(SkinScratchSize(surface->layout));
+    skinner.relative_.resize(surface->layout.num_vertices());
     skinner.frames_.resize(surface->topology.num_groups());
     skinner.surface_ = std::move(surface);
     return skinner;
+  });
+}
+
+Result<CpuSkinner> CpuSkinner::Create(std::shared_ptr<const SkinSurface> surface) {
+  Result<CpuSkinner> made = CreateWithoutResults(std::move(surface));
+  if (!made.ok()) return made;
+  return CatchOutOfMemory("skin", [&]() -> Result<CpuSkinner> {
+    const size_t num_draw = made->topology().draw_vertices.size();
+    made->solve_positions_.resize(made->relative_.size());
+    made->positions_.resize(num_draw);
+    made->normals_.resize(num_draw);
+    made->tangents_.resize(num_draw);
+    made->has_results_ = true;
+    return std::move(made);
   });
 }
 
@@ -39,27 +91,49 @@ Result<CpuSkinner> CpuSkinner::Create(const SkinMesh& mesh, const RigSpace& spac
   return Create(std::move(surface).value());
 }
 
-Status CpuSkinner::SkinPositionsOnly(const SkinTransforms& transforms) {
-  LIMBER_RETURN_IF_ERROR(SkinPositions(surface_->layout, {transforms.matrices, {}}, relative_));
-  for (size_t v = 0; v < relative_.size(); ++v) {
-    solve_positions_[v] = relative_[v] + transforms.origin;
+// Vertex by vertex, so that an interleaved buffer is written from its beginning to its end.
+Status CpuSkinner::SkinInto(const SkinTransforms& transforms, const SkinOutputs& outputs) {
+  LIMBER_RETURN_IF_ERROR(
+      SkinPositions(surface_->layout, {transforms.matrices, {}}, &scratch_, relative_));
+  Cursor positions(outputs.positions), normals(outputs.normals), tangents(outputs.tangents);
+  const bool with_frames = normals.is_wanted() || tangents.is_wanted();
+  if (with_frames) {
+    for (uint32_t g = 0; g < topology().num_groups(); ++g)
+      frames_[g] = ComputeSurfaceFrame(topology(), g, relative_);
   }
-  for (size_t d = 0; d < positions_.size(); ++d) {
-    positions_[d] = solve_positions_[topology().draw_vertices[d].solve_vertex];
+  for (const SkinDrawVertex& vertex : topology().draw_vertices) {
+    positions.Put(relative_[vertex.solve_vertex] + transforms.origin);
+    if (!with_frames) continue;
+    Vec3 normal;
+    Tangent tangent;
+    ApplyFrame(frames_[vertex.normal_group], vertex, &normal, &tangent);
+    normals.Put(normal);
+    tangents.Put(tangent);
   }
+  if (outputs.bounds != nullptr) *outputs.bounds = BoundsOf(relative_, transforms.origin);
   return {};
 }
 
-Status CpuSkinner::Skin(const SkinTransforms& transforms) {
-  LIMBER_RETURN_IF_ERROR(SkinPositionsOnly(transforms));
-  for (uint32_t g = 0; g < topology().num_groups(); ++g) {
-    frames_[g] = ComputeSurfaceFrame(topology(), g, relative_);
+Status CpuSkinner::SkinResults(const SkinTransforms& transforms, bool with_frames) {
+  if (!has_results_) return Error(StatusCode::kInvalidArgument, "skin: made without results");
+  SkinOutputs outputs;
+  outputs.positions = Packed(&positions_);
+  if (with_frames) {
+    outputs.normals = Packed(&normals_);
+    outputs.tangents = Packed(&tangents_);
   }
-  for (size_t d = 0; d < normals_.size(); ++d) {
-    const SkinDrawVertex& vertex = topology().draw_vertices[d];
-    ApplyFrame(frames_[vertex.normal_group], vertex, &normals_[d], &tangents_[d]);
-  }
+  LIMBER_RETURN_IF_ERROR(SkinInto(transforms, outputs));
+  for (size_t v = 0; v < relative_.size(); ++v)
+    solve_positions_[v] = relative_[v] + transforms.origin;
   return {};
+}
+
+Status CpuSkinner::SkinPositionsOnly(const SkinTransforms& transforms) {
+  return SkinResults(transforms, false);
+}
+
+Status CpuSkinner::Skin(const SkinTransforms& transforms) {
+  return SkinResults(transforms, true);
 }
 
 DeformedMesh CpuSkinner::result() const {

@@ -7,6 +7,7 @@
 #include "rig/skin_mesh.h"
 #include "skin/skin_frames.h"
 #include "skin/skin_layout.h"
+#include "skin/skin_positions.h"
 #include "skin/skin_topology.h"
 #include "skin/skin_transforms.h"
 
@@ -28,6 +29,24 @@ struct DeformedMesh {
                                           // has no tangents an arbitrary one
 };
 
+// Where one kind of the draw vertices' numbers goes: the first one's place, and bytes to the next.
+// Any alignment; written in order, never read.
+struct StridedOutput {
+  void* data = nullptr;  // null: not wanted
+  size_t stride = 0;
+};
+
+// A smallest and a largest corner.
+struct Bounds {
+  Vec3 min, max;
+};
+
+struct SkinOutputs {
+  StridedOutput positions, normals;  // Vec3
+  StridedOutput tangents;            // Tangent
+  Bounds* bounds = nullptr;          // of the positions; null: not wanted
+};
+
 // What all characters of a rig share: weights and shapes as skinning reads them, and the surface.
 struct SkinSurface {
   // Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
@@ -38,7 +57,7 @@ struct SkinSurface {
   SkinTopology topology;
 };
 
-// Owns the results, of one character at a time; one thread at a time.
+// Skins one character at a time; one thread at a time. Calls allocate nothing.
 class CpuSkinner {
  public:
   // Errors: kInvalidArgument (null), kOutOfMemory.
@@ -46,24 +65,32 @@ class CpuSkinner {
   // With a surface of its own. Copies what it needs of `mesh`. Errors: kMalformed (CheckSkinMesh),
   // kOutOfMemory.
   static Result<CpuSkinner> Create(const SkinMesh& mesh, const RigSpace& space);
+  // For SkinInto alone: without room for results.
+  static Result<CpuSkinner> CreateWithoutResults(std::shared_ptr<const SkinSurface> surface);
 
-  // Positions only. Allocates nothing. Errors: kInvalidArgument (wrong number of matrices).
+  // Straight into the caller's memory. Errors: kInvalidArgument (wrong number of matrices).
+  Status SkinInto(const SkinTransforms& transforms, const SkinOutputs& outputs);
+
+  // Positions only. Errors as above; kInvalidArgument also where there is no room for results.
   Status SkinPositionsOnly(const SkinTransforms& transforms);
-  // Positions, normals and tangents. Allocates nothing. Errors as above.
+  // Positions, normals and tangents. Errors as above.
   Status Skin(const SkinTransforms& transforms);
 
-  // The result of the last call; normals and tangents that of the last Skin.
+  // The result of the last SkinPositionsOnly or Skin; normals and tangents that of the last Skin.
   DeformedMesh result() const;
 
   const SkinTopology& topology() const { return surface_->topology; }
 
  private:
   CpuSkinner() = default;
+  Status SkinResults(const SkinTransforms& transforms, bool with_frames);
 
   std::shared_ptr<const SkinSurface> surface_;
-  std::vector<Vec3> relative_;  // [V] without the origin: edges keep their digits
-  std::vector<Vec3> solve_positions_, positions_, normals_;
+  SkinScratch scratch_;
+  std::vector<Vec3> relative_;        // [V] without the origin: edges keep their digits
   std::vector<SurfaceFrame> frames_;  // [G]
+  bool has_results_ = false;
+  std::vector<Vec3> solve_positions_, positions_, normals_;
   std::vector<Tangent> tangents_;
 };
 

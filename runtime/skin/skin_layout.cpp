@@ -1,6 +1,7 @@
 #include "skin/skin_layout.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace limber {
 namespace {
@@ -51,27 +52,68 @@ Status CheckSkinMesh(const SkinMesh& mesh) {
   return CheckIndices("triangles", mesh.triangles, mesh.num_draw_vertices);
 }
 
+// Sorted by the handles that they follow, then as they were: what is near each other in the mesh
+// mostly is so in its order.
+void SkinLayout::ChooseOrder(const SkinMesh& mesh) {
+  const auto num_handles = static_cast<size_t>(num_handles_);
+  // A bit for each handle; beyond 64 they share bits, which makes the order worse and not wrong.
+  std::vector<uint64_t> followed(num_vertices_, 0);
+  for (size_t v = 0; v < num_vertices_; ++v) {
+    for (size_t h = 0; h < num_handles; ++h) {
+      if (mesh.weights[v * num_handles + h] != 0) followed[v] |= uint64_t{1} << (63 - h % 64);
+    }
+  }
+  order_.resize(num_vertices_);
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](uint32_t a, uint32_t b) { return followed[a] > followed[b]; });
+}
+
+void SkinLayout::FillBlock(const SkinMesh& mesh, uint32_t block) {
+  const auto num_handles = static_cast<size_t>(num_handles_);
+  const size_t first = size_t{block} * kSkinLanes;
+  const size_t count = std::min<size_t>(kSkinLanes, num_vertices_ - first);
+  for (size_t h = 0; h < num_handles; ++h) {
+    float weights[kSkinLanes] = {};
+    for (size_t lane = 0; lane < count; ++lane)
+      weights[lane] = mesh.weights[size_t{order_[first + lane]} * num_handles + h];
+    if (std::all_of(weights, weights + kSkinLanes, [](float w) { return w == 0; })) continue;
+    handles_.push_back(static_cast<uint32_t>(h));
+    weights_.insert(weights_.end(), weights, weights + kSkinLanes);
+  }
+  first_handle_.push_back(static_cast<uint32_t>(handles_.size()));
+  float* shapes =
+      shapes_.data() + size_t{block} * static_cast<size_t>(num_shapes_) * 3 * kSkinLanes;
+  for (size_t s = 0; s < static_cast<size_t>(num_shapes_); ++s) {
+    for (size_t lane = 0; lane < count; ++lane) {
+      const Vec3& position = mesh.shape_positions[s * num_vertices_ + order_[first + lane]];
+      for (size_t axis = 0; axis < 3; ++axis)
+        shapes[(s * 3 + axis) * kSkinLanes + lane] = position[static_cast<int>(axis)];
+    }
+  }
+}
+
 SkinLayout::SkinLayout(const SkinMesh& mesh)
     : num_vertices_(mesh.num_solve_vertices),
       num_handles_(mesh.num_handles),
       num_shapes_(mesh.num_shapes) {
-  const auto num_handles = static_cast<size_t>(num_handles_);
-  const auto num_shapes = static_cast<size_t>(num_shapes_);
-  weights_.resize(num_blocks() * num_handles * kLanes);
-  shapes_.resize(num_blocks() * num_shapes * 3 * kLanes);
-  for (size_t v = 0; v < num_vertices_; ++v) {
-    const size_t block = v / kLanes, lane = v % kLanes;
-    for (size_t h = 0; h < num_handles; ++h) {
-      weights_[(block * num_handles + h) * kLanes + lane] = mesh.weights[v * num_handles + h];
-    }
-    for (size_t s = 0; s < num_shapes; ++s) {
-      const Vec3& position = mesh.shape_positions[s * num_vertices_ + v];
-      for (size_t axis = 0; axis < 3; ++axis) {
-        shapes_[((block * num_shapes + s) * 3 + axis) * kLanes + lane] =
-            position[static_cast<int>(axis)];
-      }
-    }
-  }
+  ChooseOrder(mesh);
+  first_handle_.push_back(0);
+  shapes_.resize(size_t{num_blocks()} * static_cast<size_t>(num_shapes_) * 3 * kSkinLanes);
+  for (uint32_t block = 0; block < num_blocks(); ++block)
+    FillBlock(mesh, block);
+}
+
+SkinBlocks SkinLayout::blocks() const {
+  SkinBlocks blocks;
+  blocks.num_vertices = num_vertices_;
+  blocks.num_shapes = static_cast<uint32_t>(num_shapes_);
+  blocks.order = order_.data();
+  blocks.first_handle = first_handle_.data();
+  blocks.handles = handles_.data();
+  blocks.weights = weights_.data();
+  blocks.shapes = shapes_.data();
+  return blocks;
 }
 
 }  // namespace limber

@@ -1,8 +1,10 @@
-// Weights and example shapes of a SkinMesh, regrouped for eight-wide arithmetic. Immutable.
+// Weights and example shapes of a SkinMesh, regrouped for wide arithmetic. Immutable.
 #pragma once
 
+#include "core/aligned_vector.h"
 #include "core/status.h"
 #include "rig/skin_mesh.h"
+#include "skin/kernels/skin_kernels.h"
 
 #include <cstdint>
 #include <vector>
@@ -13,10 +15,11 @@ namespace limber {
 // every index in them), so that the loops may trust them. Errors: kMalformed, naming the table.
 Status CheckSkinMesh(const SkinMesh& mesh);
 
+// Vertices come in blocks of kSkinLanes. They are sorted by which handles they follow, so that
+// those of a block follow the same ones and all others are left out. What a vertex gets does not
+// depend on its block: a handle of weight zero adds zero.
 class SkinLayout {
  public:
-  static constexpr uint32_t kLanes = 8;
-
   // An empty layout of no vertices.
   SkinLayout() = default;
   // `mesh` must have passed CheckSkinMesh; it is copied, not kept.
@@ -24,26 +27,29 @@ class SkinLayout {
 
   uint32_t num_vertices() const { return num_vertices_; }
 
-  uint32_t num_blocks() const { return (num_vertices_ + kLanes - 1) / kLanes; }
+  uint32_t num_blocks() const { return (num_vertices_ + kSkinLanes - 1) / kSkinLanes; }
 
   int num_handles() const { return num_handles_; }
 
   int num_shapes() const { return num_shapes_; }
 
-  // Block `block`: [H][8] weights and [S][3][8] positions in rig space. Lanes past the last vertex
-  // are zero.
-  const float* weights(uint32_t block) const {
-    return weights_.data() + size_t{block} * static_cast<size_t>(num_handles_) * kLanes;
-  }
+  // Of all blocks together: how many handles they follow.
+  size_t num_block_handles() const { return handles_.size(); }
 
-  const float* shapes(uint32_t block) const {
-    return shapes_.data() + size_t{block} * static_cast<size_t>(num_shapes_) * 3 * kLanes;
-  }
+  // What the kernels read; views into the layout.
+  SkinBlocks blocks() const;
 
  private:
+  void ChooseOrder(const SkinMesh& mesh);
+  void FillBlock(const SkinMesh& mesh, uint32_t block);
+
   uint32_t num_vertices_ = 0;
   int num_handles_ = 0, num_shapes_ = 0;
-  std::vector<float> weights_, shapes_;
+  std::vector<uint32_t> order_;         // [V] solve vertices
+  std::vector<uint32_t> first_handle_;  // [blocks + 1] into handles_
+  std::vector<uint32_t> handles_;       // of each block those with a weight, increasing
+  AlignedVector<float> weights_;        // [handles_][lanes]
+  AlignedVector<float> shapes_;         // [blocks][S][3][lanes]
 };
 
 }  // namespace limber

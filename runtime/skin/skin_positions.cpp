@@ -1,77 +1,9 @@
 #include "skin/skin_positions.h"
 
-#include <algorithm>
-#include <cstring>
-
 namespace limber {
 namespace {
 
-constexpr uint32_t kLanes = SkinLayout::kLanes;
 constexpr size_t kMatrixFloats = 12;
-
-// Eight floats; the compiler lowers them to one AVX register or two SSE ones.
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LIMBER_SKIN_AVX2 1
-#endif
-
-__attribute__((always_inline)) inline void Load(const float* from, Lanes* lanes) {
-  std::memcpy(lanes, from, sizeof(Lanes));
-}
-
-__attribute__((always_inline)) inline void SkinBlock(const SkinLayout& layout,
-                                                     const SkinTransforms& transforms,
-                                                     uint32_t block, Lanes* q) {
-  const auto num_handles = static_cast<size_t>(layout.num_handles());
-  const auto num_shapes = static_cast<size_t>(layout.num_shapes());
-  const float* weights = layout.weights(block);
-  const float* shapes = layout.shapes(block);
-  const float* matrix = transforms.matrices.data();
-  for (size_t h = 0; h < num_handles; ++h) {
-    Lanes y0 = {}, y1 = {}, y2 = {}, weight;
-    for (size_t s = 0; s < num_shapes; ++s, matrix += kMatrixFloats) {
-      Lanes px, py, pz;
-      Load(shapes + (s * 3 + 0) * kLanes, &px);
-      Load(shapes + (s * 3 + 1) * kLanes, &py);
-      Load(shapes + (s * 3 + 2) * kLanes, &pz);
-      y0 += matrix[0] * px + matrix[1] * py + (matrix[2] * pz + matrix[3]);
-      y1 += matrix[4] * px + matrix[5] * py + (matrix[6] * pz + matrix[7]);
-      y2 += matrix[8] * px + matrix[9] * py + (matrix[10] * pz + matrix[11]);
-    }
-    Load(weights + h * kLanes, &weight);
-    q[0] += weight * y0;
-    q[1] += weight * y1;
-    q[2] += weight * y2;
-  }
-}
-
-__attribute__((always_inline)) inline void SkinAll(const SkinLayout& layout,
-                                                   const SkinTransforms& transforms, Vec3* out) {
-  const uint32_t count = layout.num_vertices();
-  for (uint32_t block = 0; block < layout.num_blocks(); ++block) {
-    Lanes q[3] = {};
-    SkinBlock(layout, transforms, block, q);
-    const uint32_t first = block * kLanes, end = std::min(first + kLanes, count);
-    for (uint32_t v = first; v < end; ++v) {
-      const uint32_t lane = v - first;
-      out[v] = {q[0][lane] + transforms.origin.x, q[1][lane] + transforms.origin.y,
-                q[2][lane] + transforms.origin.z};
-    }
-  }
-}
-
-void SkinAllBaseline(const SkinLayout& layout, const SkinTransforms& transforms, Vec3* out) {
-  SkinAll(layout, transforms, out);
-}
-
-#ifdef LIMBER_SKIN_AVX2
-// AVX2 without FMA: wider registers, the same roundings.
-__attribute__((target("avx2"))) void SkinAllAvx2(const SkinLayout& layout,
-                                                 const SkinTransforms& transforms, Vec3* out) {
-  SkinAll(layout, transforms, out);
-}
-#endif
 
 Status CheckSizes(int num_handles, int num_shapes, uint32_t num_vertices,
                   const SkinTransforms& transforms, size_t num_out) {
@@ -88,6 +20,20 @@ Status CheckSizes(int num_handles, int num_shapes, uint32_t num_vertices,
                  num_vertices);
   }
   return {};
+}
+
+// Of each handle, the matrices' last columns summed over the shapes: [H][4].
+void SumTranslations(size_t num_shapes, std::span<const float> matrices, std::span<float> sums) {
+  for (size_t h = 0; h < sums.size() / 4; ++h) {
+    double sum[3] = {};
+    for (size_t s = 0; s < num_shapes; ++s) {
+      const float* matrix = matrices.data() + (h * num_shapes + s) * kMatrixFloats;
+      for (size_t row = 0; row < 3; ++row)
+        sum[row] += double{matrix[row * 4 + 3]};
+    }
+    for (size_t row = 0; row < 3; ++row)
+      sums[h * 4 + row] = static_cast<float>(sum[row]);
+  }
 }
 
 // q += weight * matrix * [p; 1]
@@ -122,17 +68,24 @@ Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transf
   return {};
 }
 
+size_t SkinScratchSize(const SkinLayout& layout) {
+  return static_cast<size_t>(layout.num_handles()) * 4;
+}
+
 Status SkinPositions(const SkinLayout& layout, const SkinTransforms& transforms,
-                     std::span<Vec3> out) {
+                     SkinScratch* scratch, std::span<Vec3> out) {
+  return SkinPositionsWith(ChooseSkinKernels(), layout, transforms, scratch, out);
+}
+
+Status SkinPositionsWith(const SkinKernels& kernels, const SkinLayout& layout,
+                         const SkinTransforms& transforms, SkinScratch* scratch,
+                         std::span<Vec3> out) {
   LIMBER_RETURN_IF_ERROR(CheckSizes(layout.num_handles(), layout.num_shapes(),
                                     layout.num_vertices(), transforms, out.size()));
-#ifdef LIMBER_SKIN_AVX2
-  if (__builtin_cpu_supports("avx2")) {
-    SkinAllAvx2(layout, transforms, out.data());
-    return {};
-  }
-#endif
-  SkinAllBaseline(layout, transforms, out.data());
+  scratch->resize(SkinScratchSize(layout));
+  SumTranslations(static_cast<size_t>(layout.num_shapes()), transforms.matrices, *scratch);
+  kernels.skin(layout.blocks(), transforms.matrices.data(), scratch->data(), &transforms.origin.x,
+               reinterpret_cast<float*>(out.data()));
   return {};
 }
 

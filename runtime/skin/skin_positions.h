@@ -8,6 +8,7 @@
 #include "skin/skin_transforms.h"
 
 #include <span>
+#include <vector>
 
 namespace limber {
 
@@ -16,10 +17,21 @@ namespace limber {
 Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transforms,
                               std::span<Vec3> out);
 
-// The same in single precision, eight vertices at a time; within a few float roundings of the
-// reference, and the same bits on every processor (no contraction into fused operations).
-// Allocates nothing. Any thread.
+// Scratch of one call, of the rig's size.
+using SkinScratch = std::vector<float>;
+
+// The same in single precision, many vertices at a time, in the machine's best instruction set
+// (kernels/skin_kernels.h says which bits are the same); within a few float roundings of the
+// reference. Allocates nothing where `scratch` has been used for the layout before. Any thread.
 Status SkinPositions(const SkinLayout& layout, const SkinTransforms& transforms,
-                     std::span<Vec3> out);
+                     SkinScratch* scratch, std::span<Vec3> out);
+
+// The room that scratch needs, to be made beforehand.
+size_t SkinScratchSize(const SkinLayout& layout);
+
+// With the kernels of one instruction set. For tests.
+Status SkinPositionsWith(const SkinKernels& kernels, const SkinLayout& layout,
+                         const SkinTransforms& transforms, SkinScratch* scratch,
+                         std::span<Vec3> out);
 
 }  // namespace limber

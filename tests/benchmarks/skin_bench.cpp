@@ -1,12 +1,18 @@
 // Skinning 24 thousand vertices at H 9, S 6 on one core, beside a plain loop and a plain copy.
+//
+// The character's baked weights are local: most vertices follow two to five of the nine handles.
+// The dense ones have no zero at all; of four influences each vertex has its strongest four
+// handles.
 #include "benchmarks/bench_character.h"
 #include "skin/cpu_skinner.h"
 #include "skin/skin_positions.h"
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string>
 
 namespace limber::bench {
 namespace {
@@ -35,9 +41,36 @@ class PosedCharacter {
   Result<PoseState> pose_;
 };
 
+enum class Weights { kBaked, kDense, kFourInfluences };
+
+// `mesh` with other weights.
+SkinMesh WithWeights(SkinMesh mesh, Weights kind) {
+  if (kind == Weights::kBaked) return mesh;
+  const auto num_handles = static_cast<size_t>(mesh.num_handles);
+  std::vector<float> sorted(num_handles);
+  for (size_t v = 0; v < mesh.num_solve_vertices; ++v) {
+    float* weights = mesh.weights.data() + v * num_handles;
+    std::copy_n(weights, num_handles, sorted.begin());
+    std::sort(sorted.rbegin(), sorted.rend());
+    float sum = 0;
+    for (size_t h = 0; h < num_handles; ++h) {
+      if (kind == Weights::kDense) weights[h] = std::max(weights[h], 0.01f);
+      if (kind == Weights::kFourInfluences && weights[h] < sorted[3]) weights[h] = 0;
+      sum += weights[h];
+    }
+    for (size_t h = 0; h < num_handles; ++h)
+      weights[h] /= sum;
+  }
+  return mesh;
+}
+
 void CountVertices(const SkinMesh& mesh, benchmark::State* state) {
-  state->SetItemsProcessed(state->iterations() * mesh.num_solve_vertices);
-  state->counters["vertices"] = mesh.num_solve_vertices;
+  const double vertices = mesh.num_solve_vertices;
+  const double bytes = vertices * 4 * (mesh.num_handles + 3 * mesh.num_shapes);  // dense
+  const auto rounds = static_cast<double>(state->iterations());
+  state->counters["per_vertex"] = benchmark::Counter(
+      rounds * vertices, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state->counters["bytes"] = benchmark::Counter(rounds * bytes, benchmark::Counter::kIsRate);
 }
 
 // Eq. 6 as anybody would write it, in single precision.
@@ -63,25 +96,28 @@ void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, std::ve
 
 void SkinScalar(benchmark::State& state) {
   const PosedCharacter character;
-  std::vector<Vec3> positions(character.mesh().num_solve_vertices);
+  const SkinMesh mesh = WithWeights(character.mesh(), Weights::kDense);
+  std::vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
-    SkinPlainly(character.mesh(), character.transforms(), &positions);
+    SkinPlainly(mesh, character.transforms(), &positions);
     benchmark::DoNotOptimize(positions.data());
   }
-  CountVertices(character.mesh(), &state);
+  CountVertices(mesh, &state);
 }
 
 // The same positions by the way that ships; that they are the same is checked once.
-void SkinCpu(benchmark::State& state) {
+void SkinCpu(benchmark::State& state, Weights weights, const SkinKernels& kernels) {
   const PosedCharacter character;
-  const SkinLayout layout(character.mesh());
-  std::vector<Vec3> positions(character.mesh().num_solve_vertices);
+  const SkinMesh mesh = WithWeights(character.mesh(), weights);
+  const SkinLayout layout(mesh);
+  SkinScratch scratch;
+  std::vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
-    ExitUnless(SkinPositions(layout, character.transforms(), positions));
+    ExitUnless(SkinPositionsWith(kernels, layout, character.transforms(), &scratch, positions));
     benchmark::DoNotOptimize(positions.data());
   }
   std::vector<Vec3> expected(positions.size());
-  SkinPlainly(character.mesh(), character.transforms(), &expected);
+  SkinPlainly(mesh, character.transforms(), &expected);
   for (size_t v = 0; v < positions.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {
       const float difference = std::abs(positions[v][axis] - expected[v][axis]);
@@ -90,7 +126,8 @@ void SkinCpu(benchmark::State& state) {
       }
     }
   }
-  CountVertices(character.mesh(), &state);
+  state.counters["handles"] = static_cast<double>(layout.num_block_handles()) / layout.num_blocks();
+  CountVertices(mesh, &state);
 }
 
 // Positions, normals and tangents: what skin_vulkan does.
@@ -117,11 +154,26 @@ void SkinCopy(benchmark::State& state) {
     std::memcpy(copy.data() + weight_bytes, mesh.shape_positions.data(), shape_bytes);
     benchmark::ClobberMemory();
   }
-  state.SetBytesProcessed(state.iterations() * static_cast<int64_t>(copy.size()));
   CountVertices(mesh, &state);
 }
 
-BENCHMARK(SkinCpu)->Name("skin_cpu/24k")->Unit(benchmark::kMicrosecond);
+// Dense weights by every instruction set that there is; the best one under the plain name as well.
+bool RegisterAll() {
+  const auto add = [](const std::string& name, Weights weights, const SkinKernels& kernels) {
+    benchmark::RegisterBenchmark(name.c_str(), [weights, &kernels](benchmark::State& state) {
+      SkinCpu(state, weights, kernels);
+    })->Unit(benchmark::kMicrosecond);
+  };
+  add("skin_cpu/24k", Weights::kDense, ChooseSkinKernels());
+  add("skin_cpu_4_influences/24k", Weights::kFourInfluences, ChooseSkinKernels());
+  add("skin_cpu_baked/24k", Weights::kBaked, ChooseSkinKernels());
+  for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set)
+    add(std::string("skin_cpu_by/") + (*set)->name, Weights::kDense, **set);
+  return true;
+}
+
+const bool kRegistered = RegisterAll();
+
 BENCHMARK(SkinCpuFrames)->Name("skin_cpu_frames/24k")->Unit(benchmark::kMicrosecond);
 BENCHMARK(SkinScalar)->Name("skin_scalar/24k")->Unit(benchmark::kMicrosecond);
 BENCHMARK(SkinCopy)->Name("skin_copy/24k")->Unit(benchmark::kMicrosecond);

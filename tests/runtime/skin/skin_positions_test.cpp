@@ -49,10 +49,11 @@ TEST(SkinPositions, EveryPose_EqualsTheSumInDouble) {
   // 7 around, 11 along: 86 vertices, no multiple of eight.
   const test::SkinFixture fixture = test::MakeCylinderFixture(7, 11);
   const SkinLayout layout(fixture.mesh);
+  SkinScratch scratch;
   std::vector<Vec3> fast(fixture.mesh.num_solve_vertices), reference(fast.size());
   for (const double amount : {0.0, 0.3, 1.0, 2.5}) {
     const test::SkinPose pose = test::CylinderPose(fixture, amount);
-    ASSERT_TRUE(SkinPositions(layout, pose.view(), fast).ok());
+    ASSERT_TRUE(SkinPositions(layout, pose.view(), &scratch, fast).ok());
     ASSERT_TRUE(SkinPositionsReference(fixture.mesh, pose.view(), reference).ok());
     EXPECT_LT(LargestError(fixture, pose, fast), 1e-6 * test::FixtureSize(fixture));
     EXPECT_LT(LargestError(fixture, pose, reference), 2e-7 * test::FixtureSize(fixture));
@@ -62,8 +63,9 @@ TEST(SkinPositions, EveryPose_EqualsTheSumInDouble) {
 TEST(SkinPositions, RestPose_IsTheExampleShape) {
   const test::SkinFixture fixture = test::MakeCylinderFixture(12, 8);
   const SkinLayout layout(fixture.mesh);
+  SkinScratch scratch;
   std::vector<Vec3> out(fixture.mesh.num_solve_vertices);
-  ASSERT_TRUE(SkinPositions(layout, test::RestPose(fixture, 0).view(), out).ok());
+  ASSERT_TRUE(SkinPositions(layout, test::RestPose(fixture, 0).view(), &scratch, out).ok());
   // The cylinder of mesh space: radius 0.25 around the y axis, height 0 to 2.
   for (size_t v = 0; v + 2 < out.size(); ++v) {
     EXPECT_NEAR(std::hypot(out[v].x, out[v].z), 0.25, 1e-6);
@@ -74,14 +76,15 @@ TEST(SkinPositions, RestPose_IsTheExampleShape) {
 TEST(SkinPositions, WrongSizes_AreRefused) {
   const test::SkinFixture fixture = test::MakeCylinderFixture(7, 5);
   const SkinLayout layout(fixture.mesh);
+  SkinScratch scratch;
   test::SkinPose pose = test::RestPose(fixture);
   std::vector<Vec3> out(fixture.mesh.num_solve_vertices - 1);
-  EXPECT_EQ(SkinPositions(layout, pose.view(), out).code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(SkinPositions(layout, pose.view(), &scratch, out).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(SkinPositionsReference(fixture.mesh, pose.view(), out).code(),
             StatusCode::kInvalidArgument);
   out.emplace_back();
   pose.matrices.pop_back();
-  EXPECT_EQ(SkinPositions(layout, pose.view(), out).code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(SkinPositions(layout, pose.view(), &scratch, out).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(SkinPositionsReference(fixture.mesh, pose.view(), out).code(),
             StatusCode::kInvalidArgument);
 }

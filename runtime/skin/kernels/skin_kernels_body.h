@@ -1,0 +1,165 @@
+// The body of skin_kernels.h, for one instruction set: LIMBER_KERNEL_NAMESPACE names it.
+//
+// Included only by the kernels, which are compiled once for each instruction set; so nothing here
+// has external linkage, and nothing of the standard library is inlined from here.
+#pragma once
+
+#include "skin/kernels/skin_kernels.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__FMA__) || defined(__AVX512F__)
+#include <immintrin.h>
+#elif defined(__ARM_NEON) && defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
+namespace limber::LIMBER_KERNEL_NAMESPACE {
+
+#if defined(__AVX512F__)
+constexpr size_t kWidth = 16, kMostHandles = 4;
+#elif defined(__AVX__)
+constexpr size_t kWidth = 8, kMostHandles = 3;
+#else
+constexpr size_t kWidth = 4, kMostHandles = 3;
+#endif
+constexpr size_t kLanes = kSkinLanes;
+
+using Lanes = float __attribute__((vector_size(kWidth * sizeof(float))));
+
+static inline __attribute__((always_inline)) Lanes Load(const float* from) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+static inline __attribute__((always_inline)) Lanes Splat(float value) {
+#if defined(__AVX512F__)
+  return _mm512_set1_ps(value);
+#elif defined(__AVX__)
+  return _mm256_set1_ps(value);
+#else
+  return Lanes{value, value, value, value};
+#endif
+}
+
+// a b + c, rounded once where the machine can.
+static inline __attribute__((always_inline)) Lanes MulAdd(Lanes a, Lanes b, Lanes c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_ps(a, b, c);
+#elif defined(__FMA__)
+  return _mm256_fmadd_ps(a, b, c);
+#elif defined(__ARM_NEON) && defined(__aarch64__)
+  return vfmaq_f32(c, a, b);
+#else
+  return a * b + c;
+#endif
+}
+
+struct Point {
+  Lanes axis[3];
+};
+
+// y += the matrix's linear part times p. Matrices are broadcast straight from memory.
+static inline __attribute__((always_inline)) void AddLinear(const float* matrix, const Point& p,
+                                                            Point* y) {
+  for (size_t row = 0; row < 3; ++row) {
+    Lanes sum = MulAdd(Splat(matrix[row * 4 + 2]), p.axis[2], y->axis[row]);
+    sum = MulAdd(Splat(matrix[row * 4 + 1]), p.axis[1], sum);
+    y->axis[row] = MulAdd(Splat(matrix[row * 4]), p.axis[0], sum);
+  }
+}
+
+// What kWidth vertices of a block need.
+struct Piece {
+  const float* matrices;
+  const float* translations;
+  const float* shapes;   // of the piece's first lane
+  const float* weights;  // likewise
+  const uint32_t* handles;
+  size_t num_shapes;
+};
+
+// q += the next N handles' part. A shape's positions are loaded once for all of them, and their
+// sums are chains enough to keep the multipliers busy.
+template <size_t N>
+static inline __attribute__((always_inline)) void AddHandles(const Piece& piece, size_t first,
+                                                             Point* q) {
+  Point y[N];
+  const float* matrix[N];
+  for (size_t i = 0; i < N; ++i) {
+    const size_t handle = piece.handles[first + i];
+    matrix[i] = piece.matrices + handle * piece.num_shapes * 12;
+    for (size_t row = 0; row < 3; ++row)
+      y[i].axis[row] = Splat(piece.translations[handle * 4 + row]);
+  }
+  for (size_t s = 0; s < piece.num_shapes; ++s) {
+    Point p;
+    for (size_t axis = 0; axis < 3; ++axis)
+      p.axis[axis] = Load(piece.shapes + (s * 3 + axis) * kLanes);
+    for (size_t i = 0; i < N; ++i)
+      AddLinear(matrix[i] + s * 12, p, &y[i]);
+  }
+  for (size_t i = 0; i < N; ++i) {
+    const Lanes weight = Load(piece.weights + (first + i) * kLanes);
+    for (size_t row = 0; row < 3; ++row)
+      q->axis[row] = MulAdd(weight, y[i].axis[row], q->axis[row]);
+  }
+}
+
+// All handles of the block, in groups of nearly the same size.
+static inline __attribute__((always_inline)) Point SkinPiece(const Piece& piece, size_t count) {
+  Point q = {};
+  const size_t groups = (count + kMostHandles - 1) / kMostHandles;
+  for (size_t group = 0, first = 0; group < groups; ++group) {
+    const size_t size = (count - first + groups - group - 1) / (groups - group);
+    switch (size) {
+      case 1:
+        AddHandles<1>(piece, first, &q);
+        break;
+      case 2:
+        AddHandles<2>(piece, first, &q);
+        break;
+      case 3:
+        AddHandles<3>(piece, first, &q);
+        break;
+      default:
+        AddHandles<kMostHandles>(piece, first, &q);
+    }
+    first += size;
+  }
+  return q;
+}
+
+static void Skin(const SkinBlocks& blocks, const float* matrices, const float* translations,
+                 const float* origin, float* out) {
+  const size_t num_vertices = blocks.num_vertices;
+  for (size_t begin = 0; begin < num_vertices; begin += kLanes) {
+    const size_t block = begin / kLanes, first = blocks.first_handle[block];
+    const size_t count = blocks.first_handle[block + 1] - first;
+    float q[3][kLanes];
+    for (size_t lane = 0; lane < kLanes; lane += kWidth) {
+      const Piece piece = {matrices,
+                           translations,
+                           blocks.shapes + block * blocks.num_shapes * 3 * kLanes + lane,
+                           blocks.weights + first * kLanes + lane,
+                           blocks.handles + first,
+                           blocks.num_shapes};
+      const Point skinned = SkinPiece(piece, count);
+      for (size_t row = 0; row < 3; ++row) {
+        const Lanes placed = skinned.axis[row] + Splat(origin[row]);
+        __builtin_memcpy(&q[row][lane], &placed, sizeof(Lanes));
+      }
+    }
+    const size_t left = num_vertices - begin, end = left < kLanes ? left : kLanes;
+    for (size_t lane = 0; lane < end; ++lane) {
+      float* to = out + size_t{3} * blocks.order[begin + lane];
+      to[0] = q[0][lane];
+      to[1] = q[1][lane];
+      to[2] = q[2][lane];
+    }
+  }
+}
+
+}  // namespace limber::LIMBER_KERNEL_NAMESPACE

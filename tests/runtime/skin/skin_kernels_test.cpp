@@ -1,0 +1,155 @@
+// The skinning loop of every instruction set, beside the sum in double.
+#include "runtime/skin/skin_fixtures.h"
+#include "skin/cpu_skinner.h"
+#include "skin/skin_positions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace limber {
+namespace {
+
+struct RandomCharacter {
+  SkinMesh mesh;
+  std::vector<float> matrices;
+  Vec3 origin = {0.5f, -2, 3};
+
+  SkinTransforms transforms() const { return {matrices, origin}; }
+};
+
+// Any weights: local ones, dense ones, vertices that follow one handle alone.
+RandomCharacter MakeRandom(int num_handles, int num_shapes, uint32_t num_vertices) {
+  RandomCharacter made;
+  std::mt19937 random(static_cast<unsigned>(num_handles * 100 + num_shapes));
+  std::uniform_real_distribution<float> number(-1, 1);
+  SkinMesh& mesh = made.mesh;
+  mesh.num_handles = num_handles;
+  mesh.num_shapes = num_shapes;
+  mesh.num_solve_vertices = mesh.num_draw_vertices = num_vertices;
+  for (uint32_t v = 0; v < num_vertices; ++v) {
+    mesh.solve_vertex.push_back(v);
+    float sum = 0;
+    for (int h = 0; h < num_handles; ++h) {
+      const bool is_followed = h == static_cast<int>(v) % num_handles || random() % 3 == 0;
+      mesh.weights.push_back(is_followed ? 0.1f + std::abs(number(random)) : 0.0f);
+      sum += mesh.weights.back();
+    }
+    for (int h = 0; h < num_handles; ++h)
+      mesh.weights[mesh.weights.size() - 1 - static_cast<size_t>(h)] /= sum;
+  }
+  for (uint32_t i = 0; i < num_vertices * static_cast<uint32_t>(num_shapes); ++i)
+    mesh.shape_positions.push_back({number(random), number(random), number(random)});
+  for (int i = 0; i < num_handles * num_shapes * 12; ++i)
+    made.matrices.push_back(number(random));
+  return made;
+}
+
+TEST(SkinKernels, EverySetAndSize_IsTheSumInDouble) {
+  for (int num_handles = 1; num_handles <= 14; ++num_handles) {
+    for (const int num_shapes : {1, 2, 3, 7}) {
+      for (const uint32_t count : {1u, 15u, 16u, 17u, 83u}) {
+        const RandomCharacter c = MakeRandom(num_handles, num_shapes, count);
+        const SkinLayout layout(c.mesh);
+        std::vector<Vec3> expected(count), found(count);
+        ASSERT_TRUE(SkinPositionsReference(c.mesh, c.transforms(), expected).ok());
+        for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set) {
+          SkinScratch scratch;
+          ASSERT_TRUE(SkinPositionsWith(**set, layout, c.transforms(), &scratch, found).ok());
+          for (uint32_t v = 0; v < count; ++v) {
+            for (int axis = 0; axis < 3; ++axis) {
+              // Each of the S (and the origin) is of order one.
+              ASSERT_NEAR(found[v][axis], expected[v][axis], 4e-7 * (num_shapes + 3))
+                  << (*set)->name << ' ' << num_handles << ' ' << num_shapes << ' ' << v;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(SkinKernels, SetsWithFusedArithmetic_GiveTheSameBits) {
+  const RandomCharacter c = MakeRandom(9, 6, 1003);
+  const SkinLayout layout(c.mesh);
+  std::vector<std::vector<Vec3>> results;
+  for (const SkinKernels* const* set = AvailableSkinKernels() + 1;
+       *(set - 1) != nullptr && *set != nullptr; ++set) {
+    SkinScratch scratch;
+    results.emplace_back(c.mesh.num_solve_vertices);
+    ASSERT_TRUE(SkinPositionsWith(**set, layout, c.transforms(), &scratch, results.back()).ok());
+  }
+  if (results.size() < 2) GTEST_SKIP() << "this machine has fewer than two such sets";
+  EXPECT_EQ(results[0], results[1]);
+}
+
+// Which vertices come into one block is nobody's affair: a vertex alone has the same bits.
+TEST(SkinKernels, VerticesOfAnyCompany_HaveTheSameBits) {
+  const RandomCharacter c = MakeRandom(7, 3, 64);
+  SkinScratch scratch;
+  std::vector<Vec3> together(64), alone(1);
+  ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), c.transforms(), &scratch, together).ok());
+  for (uint32_t v = 0; v < 64; ++v) {
+    SkinMesh one = c.mesh;
+    one.num_solve_vertices = one.num_draw_vertices = 1;
+    one.solve_vertex = {0};
+    one.weights.assign(c.mesh.weights.begin() + v * 7, c.mesh.weights.begin() + v * 7 + 7);
+    one.shape_positions.clear();
+    for (size_t s = 0; s < 3; ++s)
+      one.shape_positions.push_back(c.mesh.shape_positions[s * 64 + v]);
+    ASSERT_TRUE(SkinPositions(SkinLayout(one), c.transforms(), &scratch, alone).ok());
+    EXPECT_EQ(alone[0], together[v]) << v;
+  }
+}
+
+TEST(SkinLayout, BlocksFollowFewHandles) {
+  // Four patches in turn, each of two handles: sorted, no block follows more than two.
+  RandomCharacter c = MakeRandom(8, 1, 256);
+  std::fill(c.mesh.weights.begin(), c.mesh.weights.end(), 0.0f);
+  for (size_t v = 0; v < 256; ++v)
+    c.mesh.weights[v * 8 + v % 4 * 2] = c.mesh.weights[v * 8 + v % 4 * 2 + 1] = 0.5f;
+  const SkinLayout layout(c.mesh);
+  EXPECT_EQ(layout.num_block_handles(), 2u * layout.num_blocks());
+}
+
+TEST(CpuSkinner, IntoAnyLayout_HasTheSameBitsAndNothingElseIsTouched) {
+  const test::SkinFixture fixture = test::MakeSeamSphereFixture(19, 11);
+  auto surface = SkinSurface::Create(fixture.mesh, fixture.space);
+  ASSERT_TRUE(surface.ok());
+  auto packed = CpuSkinner::Create(*surface);
+  auto lean = CpuSkinner::CreateWithoutResults(*surface);
+  ASSERT_TRUE(packed.ok() && lean.ok());
+  const test::SkinPose pose = test::RestPose(fixture);
+  ASSERT_TRUE(packed->Skin(pose.view()).ok());
+  EXPECT_EQ(lean->Skin(pose.view()).code(), StatusCode::kInvalidArgument);
+  constexpr size_t kStride = 52;  // and one byte off, as mapped memory may be
+  const size_t count = fixture.mesh.num_draw_vertices;
+  std::vector<unsigned char> bytes(1 + count * kStride, 0xCD), expected = bytes;
+  SkinOutputs outputs;
+  Bounds bounds;
+  outputs.positions = {bytes.data() + 1, kStride};
+  outputs.tangents = {bytes.data() + 1 + 16, kStride};
+  outputs.normals = {bytes.data() + 1 + 36, kStride};
+  outputs.bounds = &bounds;
+  ASSERT_TRUE(lean->SkinInto(pose.view(), outputs).ok());
+  const DeformedMesh mesh = packed->result();
+  Vec3 low = mesh.positions[0], high = low;
+  for (size_t d = 0; d < count; ++d) {
+    unsigned char* vertex = expected.data() + 1 + d * kStride;
+    std::memcpy(vertex, &mesh.positions[d], sizeof(Vec3));
+    std::memcpy(vertex + 16, &mesh.tangents[d], sizeof(Tangent));
+    std::memcpy(vertex + 36, &mesh.normals[d], sizeof(Vec3));
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], mesh.positions[d][axis]);
+      high[axis] = std::max(high[axis], mesh.positions[d][axis]);
+    }
+  }
+  EXPECT_EQ(bytes, expected);
+  EXPECT_EQ(bounds.min, low);
+  EXPECT_EQ(bounds.max, high);
+}
+
+}  // namespace
+}  // namespace limber
