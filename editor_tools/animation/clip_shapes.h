@@ -1,10 +1,10 @@
 // The shapes that a clip gives one mesh node.
 #pragma once
 
-#include "clips/animation_clip.h"
 #include "animation/skin.h"
 #include "animation/skinned_mesh.h"
 #include "animation/skinned_pose.h"
+#include "clips/animation_clip.h"
 #include "core/status.h"
 #include "load/gltf_file.h"
 

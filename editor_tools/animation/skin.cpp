@@ -1,8 +1,8 @@
 #include "animation/skin.h"
 
+#include "clips/node_transforms.h"
 #include "core/printable.h"
 #include "import/mesh_node.h"
-#include "clips/node_transforms.h"
 #include "load/gltf_accessor.h"
 #include "load/json_text.h"
 

@@ -1,7 +1,7 @@
 #include "import/import_gltf.h"
 
-#include "import/mesh_node.h"
 #include "clips/node_transforms.h"
+#include "import/mesh_node.h"
 #include "import/vertex_stiffness.h"
 #include "load/gltf_mesh.h"
 

@@ -123,7 +123,10 @@ CallStatus SkinInstance(const LimberSkinDef* def, Instance* instance) {
   outputs.positions = {full.positions.data, full.positions.stride};
   outputs.normals = {full.normals.data, full.normals.stride};
   outputs.tangents = {full.tangents.data, full.tangents.stride};
+  Bounds bounds;
+  outputs.bounds = full.bounds == nullptr ? nullptr : &bounds;
   const Status skinned = skinner->SkinInto(instance->state.transforms(), outputs);
+  if (skinned.ok() && full.bounds != nullptr) std::memcpy(full.bounds, &bounds, sizeof(bounds));
   instance->skins->idle.Give(std::move(skinner));
   return skinned;
 }

@@ -41,6 +41,8 @@ struct Bounds {
   Vec3 min, max;
 };
 
+static_assert(sizeof(Bounds) == 6 * sizeof(float), "two corners, tightly packed");
+
 struct SkinOutputs {
   StridedOutput positions, normals;  // Vec3
   StridedOutput tangents;            // Tangent

@@ -72,6 +72,18 @@ TEST(Readme, LinesForEngines_AreTheCompiledOnes) {
   EXPECT_EQ(in_readme, compiled);
 }
 
+// The consumer compiles them, tests/runtime/host runs them.
+TEST(Readme, LinesForVulkanRenderers_AreTheCompiledOnes) {
+  const std::string readme = Read(kTop / "README.md");
+  const std::string in_readme =
+      Between(readme.substr(readme.find("### Into an existing Vulkan renderer")), "```c\n", "```");
+  const std::string compiled =
+      Between(Read(kTop / "tests/runtime/package/consumer/frame_vulkan.h"),
+              "/* [the README's lines begin] */\n", "\n/* [the README's lines end] */");
+  ASSERT_FALSE(compiled.empty());
+  EXPECT_EQ(in_readme, compiled);
+}
+
 TEST(Readme, LibraryLines_RaiseTheHandle) {
   const TemporaryFolder folder;
   const fs::path baked = BakeSquare(folder.path());

@@ -14,7 +14,10 @@
  * been made: see limberCreateInstance.
  *
  * Errors: every function that can fail returns a LimberResult and leaves its outputs alone when it
- * does; limberGetLastMessage has one line for people. */
+ * does; limberGetLastMessage has one line for people.
+ *
+ * Structs: a Def can grow, and older and newer callers' are told apart by its size. What functions
+ * fill in (Info, State, Report) does not: news come with functions of their own. */
 #ifndef LIMBER_LIMBER_H
 #define LIMBER_LIMBER_H
 /* NOLINTBEGIN(readability-identifier-naming,modernize-*): C's own names and ways */
@@ -157,13 +160,15 @@ LIMBER_API LimberResult limberDestroyRig(LimberContext* context, LimberRigId rig
 
 typedef struct LimberRigInfo {
   int32_t num_handles, num_shapes, num_groups;
-  int32_t dimension;     /* 2 or 3 */
+  int32_t dimension; /* 3; or 2: all lies in one plane, where triangles cover each other in their
+                        order and not by depth */
   uint32_t num_vertices; /* of the glTF's primitives, one after the other */
   uint32_t num_triangles;
-  float diagonal; /* of the first example shape's bounding box */
-  const uint32_t*
-      triangles;          /* [num_triangles][3] vertex numbers; live until the rig is destroyed */
-  const float* texcoords; /* [num_vertices][2], or null; live as long */
+  float diagonal;            /* of the first example shape's bounding box */
+  const uint32_t* triangles; /* [num_triangles][3] vertex numbers in the file's order,
+                                counter-clockwise from the front; live until the rig is destroyed */
+  const float* texcoords; /* [num_vertices][2], or null, (0, 0) the upper left as in glTF; live as
+                             long */
 } LimberRigInfo;
 
 /* Any thread. Errors: STALE_ID, INVALID_ARGUMENT. */
@@ -291,7 +296,9 @@ LIMBER_API LimberResult limberResetToRest(LimberContext* context, LimberInstance
 
 typedef struct LimberSolveDef {
   uint32_t cookie, struct_size;
-  int32_t iterations; /* alternations of the solve (1: the next frame goes on from there) */
+  int32_t iterations; /* alternations of the solve (1: the next frame goes on from there; where
+                         targets jump, or frames are few, take 4 to 8 and a settle_tolerance of
+                         1e-3, which stops earlier when it can) */
   float nearness;     /* lambda of the paper's eq. 10: how much few examples are preferred (0.5) */
   int32_t rotations;  /* 0: examples are only blended, as in a face (1) */
   int32_t guaranteed; /* 1: the energy never increases while targets stay; some three times the
@@ -328,7 +335,9 @@ LIMBER_API LimberResult limberGetBlendWeights(LimberContext* context, LimberInst
                                               double* weights, size_t count);
 
 /* Where the vertices' numbers go: `data` is the first vertex's first float, `stride` bytes lie
- * between two vertices' (a multiple of 4; the host's own vertex layout, interleaved or not). */
+ * between two vertices' (a multiple of 4; the host's own vertex layout, interleaved or not). It is
+ * only written, from vertex to vertex, never read, and what lies between stays as it is: mapped
+ * write-combined memory of any alignment will do. */
 typedef struct LimberVertexOutput {
   void* data; /* null: not wanted */
   size_t stride;
@@ -340,14 +349,15 @@ typedef struct LimberSkinDef {
   LimberVertexOutput positions; /* 3 floats each, mesh space */
   LimberVertexOutput normals;   /* 3 floats each, unit, recomputed from the deformed surface */
   LimberVertexOutput tangents;  /* 4 floats each as in glTF: unit, and the bitangent's sign */
+  float* bounds; /* [2][3], smallest and largest of the positions, for culling; null: not wanted */
 } LimberSkinDef;
 
 LIMBER_API LimberSkinDef limberDefaultSkinDef(void);
 
-/* Writes the skin of the last solve on this processor. Vertices of one point get the same bits, so
- * that no seam opens. [frame] Errors: STALE_ID, INVALID_ARGUMENT (a stride too small or not a
- * multiple of 4, another number of vertices), STRUCT_NOT_DEFAULT, UNSUPPORTED (an instance without
- * room). */
+/* Writes the skin of the last solve, or of rest before any, on this processor. Vertices of one
+ * point get the same bits, so that no seam opens. [frame] Errors: STALE_ID, INVALID_ARGUMENT (a
+ * stride too small or not a multiple of 4, another number of vertices), STRUCT_NOT_DEFAULT,
+ * UNSUPPORTED (an instance without room). */
 LIMBER_API LimberResult limberSkin(LimberContext* context, LimberInstanceId instance,
                                    const LimberSkinDef* def);
 

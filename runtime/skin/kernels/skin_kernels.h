@@ -22,9 +22,9 @@ struct SkinBlocks {
 
 struct SkinKernels {
   const char* name;  // of the instruction set
-  // out: [V][3] by solve vertex; origin: 3 floats, added last. matrices: [H][S][3][4]; translations: [H][4],
-  // their last columns summed over the shapes, so that no step adds one. For each handle that a
-  // block follows 9 S fused multiply-adds and 3.
+  // out: [V][3] by solve vertex; origin: 3 floats, added last. matrices: [H][S][3][4];
+  // translations: [H][4], their last columns summed over the shapes, so that no step adds one. For
+  // each handle that a block follows 9 S fused multiply-adds and 3.
   void (*skin)(const SkinBlocks& blocks, const float* matrices, const float* translations,
                const float* origin, float* out);
 };

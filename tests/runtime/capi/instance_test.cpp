@@ -6,6 +6,7 @@
 #include "solve/pose_solver.h"
 #include "support/counting_allocator.h"
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -40,7 +41,9 @@ TEST_F(CapiTest, SolvesAndSkinsAsTheRuntime) {
   std::vector<HostVertex> vertices(info_.num_vertices);
   for (HostVertex& vertex : vertices)
     vertex.texcoord[0] = vertex.texcoord[1] = 7;
-  const LimberSkinDef skin = SkinInto(&vertices);
+  LimberSkinDef skin = SkinInto(&vertices);
+  float bounds[2][3] = {};
+  skin.bounds = bounds[0];
   LimberSolveDef def = limberDefaultSolveDef();
   def.iterations = 3;
   PoseOptions options;
@@ -67,6 +70,13 @@ TEST_F(CapiTest, SolvesAndSkinsAsTheRuntime) {
       ASSERT_EQ(std::memcmp(vertices[v].normal, &mesh.normals[v], sizeof(Vec3)), 0);
       ASSERT_EQ(std::memcmp(vertices[v].tangent, &mesh.tangents[v], sizeof(Tangent)), 0);
       ASSERT_EQ(vertices[v].texcoord[0], 7) << "what is the host's stays";
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto less = [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; };
+      const auto [low, high] =
+          std::minmax_element(mesh.positions.begin(), mesh.positions.end(), less);
+      ASSERT_EQ(bounds[0][axis], (*low)[axis]);
+      ASSERT_EQ(bounds[1][axis], (*high)[axis]);
     }
   }
   std::vector<double> weights(size_t(info_.num_groups) * size_t(info_.num_shapes));
