@@ -1,6 +1,11 @@
 #include "skin/skin_layout.h"
 
 #include <algorithm>
+#include <compare>
+#include <cstddef>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <numeric>
 
 namespace limber {
@@ -20,6 +25,16 @@ Status CheckIndices(const char* table, const std::vector<uint32_t>& indices, uin
   return Error(StatusCode::kMalformed,
                "skin mesh: %s[%zu]: is %u, expected below %u; bake the character again", table,
                static_cast<size_t>(bad - indices.begin()), *bad, limit);
+}
+
+bool IsZero(std::span<const float> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](float x) { return x == 0; });
+}
+
+// Finite, so that nothing times it is nothing.
+float Difference(float a, float b) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return std::clamp(a - b, -kLargest, kLargest);
 }
 
 }  // namespace
@@ -52,56 +67,99 @@ Status CheckSkinMesh(const SkinMesh& mesh) {
   return CheckIndices("triangles", mesh.triangles, mesh.num_draw_vertices);
 }
 
-// Sorted by the handles that they follow, then as they were: what is near each other in the mesh
-// mostly is so in its order.
+void SkinLayout::FindLocalShapes(const SkinMesh& mesh) {
+  const auto rest = mesh.shape_positions.begin();
+  local_shapes_.push_back(0);
+  for (size_t s = 1; s < static_cast<size_t>(num_shapes_); ++s) {
+    const auto shape = rest + static_cast<std::ptrdiff_t>(s * num_vertices_);
+    const auto unmoved = std::inner_product(rest, rest + num_vertices_, shape, size_t{0},
+                                            std::plus<>(), std::equal_to<>());
+    local_shapes_.push_back(2 * unmoved >= num_vertices_ ? 1 : 0);
+  }
+}
+
+// Sorted by the handles that they follow and the local shapes that move them, then as they were:
+// what is near each other in the mesh mostly is so in its order.
 void SkinLayout::ChooseOrder(const SkinMesh& mesh) {
   const auto num_handles = static_cast<size_t>(num_handles_);
-  // A bit for each handle; beyond 64 they share bits, which makes the order worse and not wrong.
-  std::vector<uint64_t> followed(num_vertices_, 0);
+
+  // A bit for each handle and shape; beyond 64 they share bits, which makes the order worse and not
+  // wrong.
+  struct Needs {
+    uint64_t handles = 0, shapes = 0;
+    auto operator<=>(const Needs&) const = default;
+  };
+
+  const auto bit = [](size_t i) { return uint64_t{1} << (63 - i % 64); };
+  std::vector<Needs> needs(num_vertices_);
   for (size_t v = 0; v < num_vertices_; ++v) {
     for (size_t h = 0; h < num_handles; ++h) {
-      if (mesh.weights[v * num_handles + h] != 0) followed[v] |= uint64_t{1} << (63 - h % 64);
+      if (mesh.weights[v * num_handles + h] != 0) needs[v].handles |= bit(h);
+    }
+    for (size_t s = 1; s < static_cast<size_t>(num_shapes_); ++s) {
+      if (local_shapes_[s] != 0 &&
+          mesh.shape_positions[s * num_vertices_ + v] != mesh.shape_positions[v])
+        needs[v].shapes |= bit(s);
     }
   }
   order_.resize(num_vertices_);
   std::iota(order_.begin(), order_.end(), 0u);
   std::stable_sort(order_.begin(), order_.end(),
-                   [&](uint32_t a, uint32_t b) { return followed[a] > followed[b]; });
+                   [&](uint32_t a, uint32_t b) { return needs[a] > needs[b]; });
 }
 
-void SkinLayout::FillBlock(const SkinMesh& mesh, uint32_t block) {
+// The next block's weights of each handle that it follows.
+void SkinLayout::AddWeights(const SkinMesh& mesh, std::span<const uint32_t> vertices) {
   const auto num_handles = static_cast<size_t>(num_handles_);
-  const size_t first = size_t{block} * kSkinLanes;
-  const size_t count = std::min<size_t>(kSkinLanes, num_vertices_ - first);
   for (size_t h = 0; h < num_handles; ++h) {
     float weights[kSkinLanes] = {};
-    for (size_t lane = 0; lane < count; ++lane)
-      weights[lane] = mesh.weights[size_t{order_[first + lane]} * num_handles + h];
-    if (std::all_of(weights, weights + kSkinLanes, [](float w) { return w == 0; })) continue;
+    for (size_t lane = 0; lane < vertices.size(); ++lane)
+      weights[lane] = mesh.weights[size_t{vertices[lane]} * num_handles + h];
+    if (IsZero(weights)) continue;
     handles_.push_back(static_cast<uint32_t>(h));
-    weights_.insert(weights_.end(), weights, weights + kSkinLanes);
+    weights_.insert(weights_.end(), std::begin(weights), std::end(weights));
   }
   first_handle_.push_back(static_cast<uint32_t>(handles_.size()));
-  float* shapes =
-      shapes_.data() + size_t{block} * static_cast<size_t>(num_shapes_) * 3 * kSkinLanes;
-  for (size_t s = 0; s < static_cast<size_t>(num_shapes_); ++s) {
-    for (size_t lane = 0; lane < count; ++lane) {
-      const Vec3& position = mesh.shape_positions[s * num_vertices_ + order_[first + lane]];
-      for (size_t axis = 0; axis < 3; ++axis)
-        shapes[(s * 3 + axis) * kSkinLanes + lane] = position[static_cast<int>(axis)];
+}
+
+// What is kept of the next block's shapes. The first is the last, so that differences, which are
+// small, are summed before what is large.
+void SkinLayout::AddShapes(const SkinMesh& mesh, std::span<const uint32_t> vertices) {
+  const auto num_shapes = static_cast<size_t>(num_shapes_);
+  for (size_t i = 1; i <= num_shapes; ++i) {
+    const size_t s = i % num_shapes;
+    float numbers[3 * kSkinLanes] = {};
+    for (size_t lane = 0; lane < vertices.size(); ++lane) {
+      const Vec3& rest = mesh.shape_positions[vertices[lane]];
+      const Vec3& position = mesh.shape_positions[s * num_vertices_ + vertices[lane]];
+      for (int axis = 0; axis < 3; ++axis) {
+        numbers[static_cast<size_t>(axis) * kSkinLanes + lane] =
+            local_shapes_[s] != 0 ? Difference(position[axis], rest[axis]) : position[axis];
+      }
     }
+    if (local_shapes_[s] != 0 && IsZero(numbers)) continue;
+    points_.insert(points_.end(), std::begin(numbers), std::end(numbers));
+    shape_offsets_.push_back(static_cast<uint32_t>(s * kMatrixFloats));
   }
+  first_shape_.push_back(static_cast<uint32_t>(shape_offsets_.size()));
 }
 
 SkinLayout::SkinLayout(const SkinMesh& mesh)
     : num_vertices_(mesh.num_solve_vertices),
       num_handles_(mesh.num_handles),
       num_shapes_(mesh.num_shapes) {
+  FindLocalShapes(mesh);
   ChooseOrder(mesh);
   first_handle_.push_back(0);
-  shapes_.resize(size_t{num_blocks()} * static_cast<size_t>(num_shapes_) * 3 * kSkinLanes);
-  for (uint32_t block = 0; block < num_blocks(); ++block)
-    FillBlock(mesh, block);
+  first_shape_.push_back(0);
+  const std::span<const uint32_t> order = order_;
+  for (size_t begin = 0; begin < order.size(); begin += kSkinLanes) {
+    const auto vertices = order.subspan(begin, std::min<size_t>(kSkinLanes, order.size() - begin));
+    AddWeights(mesh, vertices);
+    AddShapes(mesh, vertices);
+  }
+  weights_.shrink_to_fit();
+  points_.shrink_to_fit();
 }
 
 SkinBlocks SkinLayout::blocks() const {
@@ -112,7 +170,9 @@ SkinBlocks SkinLayout::blocks() const {
   blocks.first_handle = first_handle_.data();
   blocks.handles = handles_.data();
   blocks.weights = weights_.data();
-  blocks.shapes = shapes_.data();
+  blocks.first_shape = first_shape_.data();
+  blocks.shape_offsets = shape_offsets_.data();
+  blocks.points = points_.data();
   return blocks;
 }
 

@@ -1,9 +1,9 @@
 #include "skin/skin_positions.h"
 
+#include <algorithm>
+
 namespace limber {
 namespace {
-
-constexpr size_t kMatrixFloats = 12;
 
 Status CheckSizes(int num_handles, int num_shapes, uint32_t num_vertices,
                   const SkinTransforms& transforms, size_t num_out) {
@@ -22,17 +22,22 @@ Status CheckSizes(int num_handles, int num_shapes, uint32_t num_vertices,
   return {};
 }
 
-// Of each handle, the matrices' last columns summed over the shapes: [H][4].
-void SumTranslations(size_t num_shapes, std::span<const float> matrices, std::span<float> sums) {
-  for (size_t h = 0; h < sums.size() / 4; ++h) {
-    double sum[3] = {};
-    for (size_t s = 0; s < num_shapes; ++s) {
-      const float* matrix = matrices.data() + (h * num_shapes + s) * kMatrixFloats;
-      for (size_t row = 0; row < 3; ++row)
-        sum[row] += double{matrix[row * 4 + 3]};
+// The matrices, but of each handle the first one with those of local shapes added, and the last
+// columns of all.
+void SumMatrices(std::span<const uint8_t> local_shapes, std::span<const float> matrices,
+                 float* out) {
+  std::copy(matrices.begin(), matrices.end(), out);
+  const size_t handle_floats = local_shapes.size() * kMatrixFloats;
+  for (size_t begin = 0; begin < matrices.size(); begin += handle_floats) {
+    double sum[kMatrixFloats] = {};
+    for (size_t s = 0; s < local_shapes.size(); ++s) {
+      const float* matrix = matrices.data() + begin + s * kMatrixFloats;
+      const bool is_all = s == 0 || local_shapes[s] != 0;
+      for (size_t i = is_all ? 0 : 3; i < kMatrixFloats; i += is_all ? 1 : 4)
+        sum[i] += double{matrix[i]};
     }
-    for (size_t row = 0; row < 3; ++row)
-      sums[h * 4 + row] = static_cast<float>(sum[row]);
+    for (size_t i = 0; i < kMatrixFloats; ++i)
+      out[begin + i] = static_cast<float>(sum[i]);
   }
 }
 
@@ -69,7 +74,8 @@ Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transf
 }
 
 size_t SkinScratchSize(const SkinLayout& layout) {
-  return static_cast<size_t>(layout.num_handles()) * 4;
+  return static_cast<size_t>(layout.num_handles()) * static_cast<size_t>(layout.num_shapes()) *
+         kMatrixFloats;
 }
 
 Status SkinPositions(const SkinLayout& layout, const SkinTransforms& transforms,
@@ -83,8 +89,8 @@ Status SkinPositionsWith(const SkinKernels& kernels, const SkinLayout& layout,
   LIMBER_RETURN_IF_ERROR(CheckSizes(layout.num_handles(), layout.num_shapes(),
                                     layout.num_vertices(), transforms, out.size()));
   scratch->resize(SkinScratchSize(layout));
-  SumTranslations(static_cast<size_t>(layout.num_shapes()), transforms.matrices, *scratch);
-  kernels.skin(layout.blocks(), transforms.matrices.data(), scratch->data(), &transforms.origin.x,
+  SumMatrices(layout.local_shapes(), transforms.matrices, scratch->data());
+  kernels.skin(layout.blocks(), scratch->data(), &transforms.origin.x,
                reinterpret_cast<float*>(out.data()));
   return {};
 }

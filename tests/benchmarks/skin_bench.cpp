@@ -1,9 +1,11 @@
 // Skinning 24 thousand vertices at H 9, S 6 on one core, beside a plain loop and a plain copy.
 //
-// The character's baked weights are local: most vertices follow two to five of the nine handles.
-// The dense ones have no zero at all; of four influences each vertex has its strongest four
-// handles.
+// The dense weights have no zero at all; of four influences each vertex has its strongest four
+// handles; the baked ones are what a bake gives these handles, bounded biharmonic weights.
+#include "bake/skinning_weights.h"
 #include "benchmarks/bench_character.h"
+#include "geometry/bridges.h"
+#include "geometry/weld.h"
 #include "skin/cpu_skinner.h"
 #include "skin/skin_positions.h"
 
@@ -43,9 +45,35 @@ class PosedCharacter {
 
 enum class Weights { kBaked, kDense, kFourInfluences };
 
-// `mesh` with other weights.
-SkinMesh WithWeights(SkinMesh mesh, Weights kind) {
-  if (kind == Weights::kBaked) return mesh;
+// [V][H]; takes seconds, once.
+const std::vector<float>& BakedWeights(const Rig& rig) {
+  static const std::vector<float> baked = [&] {
+    const bake::RawCharacter raw = MakeRawCharacter(kSize);
+    geometry::SolveMesh mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 0);
+    geometry::ConnectComponents(&mesh);
+    std::vector<int> handle_vertices;
+    for (const RigHandle& handle : rig.tables().handles)
+      handle_vertices.push_back(static_cast<int>(handle.vertex));
+    bake::WeightsReport report;
+    const auto weights = bake::BoundedBiharmonicWeights(mesh, handle_vertices, 0, {}, &report);
+    ExitUnless(weights.status());
+    std::vector<float> rows;
+    for (const auto& row : weights->rowwise()) {
+      for (const double weight : row)
+        rows.push_back(static_cast<float>(weight));
+    }
+    return rows;
+  }();
+  return baked;
+}
+
+// The character's mesh with other weights.
+SkinMesh WithWeights(const Rig& rig, Weights kind) {
+  SkinMesh mesh = rig.mesh();
+  if (kind == Weights::kBaked) {
+    mesh.weights = BakedWeights(rig);
+    return mesh;
+  }
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
   std::vector<float> sorted(num_handles);
   for (size_t v = 0; v < mesh.num_solve_vertices; ++v) {
@@ -62,6 +90,44 @@ SkinMesh WithWeights(SkinMesh mesh, Weights kind) {
       weights[h] /= sum;
   }
   return mesh;
+}
+
+// A face: the first shape and fifty expressions, each of which swells a twentieth of the mesh.
+// `matrices`: the character's, changed for those shapes, all expressions a little there.
+void GiveExpressions(SkinMesh* mesh, std::vector<float>* matrices) {
+  constexpr size_t kExpressions = 50;
+  const size_t num_vertices = mesh->num_solve_vertices;
+  const std::vector<Vec3> rest(mesh->shape_positions.begin(),
+                               mesh->shape_positions.begin() + mesh->num_solve_vertices);
+  mesh->shape_positions = rest;
+  for (size_t s = 0; s < kExpressions; ++s) {
+    const Vec3 centre = rest[s * num_vertices / kExpressions];
+    std::vector<float> squared(num_vertices);
+    for (size_t v = 0; v < num_vertices; ++v) {
+      const float x = rest[v].x - centre.x, y = rest[v].y - centre.y, z = rest[v].z - centre.z;
+      squared[v] = x * x + y * y + z * z;
+    }
+    std::vector<float> sorted = squared;
+    const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(num_vertices / 20);
+    std::nth_element(sorted.begin(), edge, sorted.end());
+    for (size_t v = 0; v < num_vertices; ++v) {
+      const float swell = 1 + 0.1f * std::max(0.0f, 1 - squared[v] / *edge);
+      mesh->shape_positions.push_back({swell * rest[v].x, swell * rest[v].y, swell * rest[v].z});
+    }
+  }
+  std::vector<float> given;
+  const auto num_shapes = static_cast<size_t>(mesh->num_shapes);
+  for (size_t h = 0; h < static_cast<size_t>(mesh->num_handles); ++h) {
+    float sum[12] = {};
+    for (size_t i = 0; i < num_shapes * 12; ++i)
+      sum[i % 12] += (*matrices)[h * num_shapes * 12 + i];
+    for (size_t s = 0; s <= kExpressions; ++s) {
+      for (const float entry : sum)
+        given.push_back((s == 0 ? 0.5f : 0.5f / kExpressions) * entry);
+    }
+  }
+  *matrices = std::move(given);
+  mesh->num_shapes = kExpressions + 1;
 }
 
 void CountVertices(const SkinMesh& mesh, benchmark::State* state) {
@@ -96,7 +162,7 @@ void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, std::ve
 
 void SkinScalar(benchmark::State& state) {
   const PosedCharacter character;
-  const SkinMesh mesh = WithWeights(character.mesh(), Weights::kDense);
+  const SkinMesh mesh = WithWeights(character.rig(), Weights::kDense);
   std::vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
     SkinPlainly(mesh, character.transforms(), &positions);
@@ -105,28 +171,34 @@ void SkinScalar(benchmark::State& state) {
   CountVertices(mesh, &state);
 }
 
-// The same positions by the way that ships; that they are the same is checked once.
-void SkinCpu(benchmark::State& state, Weights weights, const SkinKernels& kernels) {
+// The positions by the way that ships; that they are right is checked once.
+void SkinCpu(benchmark::State& state, Weights weights, bool expressions,
+             const SkinKernels& kernels) {
   const PosedCharacter character;
-  const SkinMesh mesh = WithWeights(character.mesh(), weights);
+  SkinMesh mesh = WithWeights(character.rig(), weights);
+  SkinTransforms transforms = character.transforms();
+  std::vector<float> matrices(transforms.matrices.begin(), transforms.matrices.end());
+  if (expressions) GiveExpressions(&mesh, &matrices);
+  transforms.matrices = matrices;
   const SkinLayout layout(mesh);
   SkinScratch scratch;
   std::vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
-    ExitUnless(SkinPositionsWith(kernels, layout, character.transforms(), &scratch, positions));
+    ExitUnless(SkinPositionsWith(kernels, layout, transforms, &scratch, positions));
     benchmark::DoNotOptimize(positions.data());
   }
   std::vector<Vec3> expected(positions.size());
-  SkinPlainly(mesh, character.transforms(), &expected);
+  ExitUnless(SkinPositionsReference(mesh, transforms, expected));
   for (size_t v = 0; v < positions.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {
       const float difference = std::abs(positions[v][axis] - expected[v][axis]);
       if (!(difference <= 1e-5f * character.rig().diagonal())) {
-        return state.SkipWithError("the two ways of skinning differ");
+        return state.SkipWithError("not the sum in double");
       }
     }
   }
   state.counters["handles"] = static_cast<double>(layout.num_block_handles()) / layout.num_blocks();
+  state.counters["shapes"] = static_cast<double>(layout.num_block_shapes()) / layout.num_blocks();
   CountVertices(mesh, &state);
 }
 
@@ -159,16 +231,20 @@ void SkinCopy(benchmark::State& state) {
 
 // Dense weights by every instruction set that there is; the best one under the plain name as well.
 bool RegisterAll() {
-  const auto add = [](const std::string& name, Weights weights, const SkinKernels& kernels) {
-    benchmark::RegisterBenchmark(name.c_str(), [weights, &kernels](benchmark::State& state) {
-      SkinCpu(state, weights, kernels);
-    })->Unit(benchmark::kMicrosecond);
+  const SkinKernels& best = ChooseSkinKernels();
+  const auto add = [](const std::string& name, Weights weights, bool expressions,
+                      const SkinKernels& kernels) {
+    const auto run = [=, &kernels](benchmark::State& state) {
+      SkinCpu(state, weights, expressions, kernels);
+    };
+    benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMicrosecond);
   };
-  add("skin_cpu/24k", Weights::kDense, ChooseSkinKernels());
-  add("skin_cpu_4_influences/24k", Weights::kFourInfluences, ChooseSkinKernels());
-  add("skin_cpu_baked/24k", Weights::kBaked, ChooseSkinKernels());
+  add("skin_cpu/24k", Weights::kDense, false, best);
+  add("skin_cpu_4_influences/24k", Weights::kFourInfluences, false, best);
+  add("skin_cpu_baked/24k", Weights::kBaked, false, best);
+  add("skin_cpu_expressions/24k", Weights::kBaked, true, best);
   for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set)
-    add(std::string("skin_cpu_by/") + (*set)->name, Weights::kDense, **set);
+    add(std::string("skin_cpu_by/") + (*set)->name, Weights::kDense, false, **set);
   return true;
 }
 

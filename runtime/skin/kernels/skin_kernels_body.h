@@ -74,12 +74,20 @@ static inline __attribute__((always_inline)) void AddLinear(const float* matrix,
 // What kWidth vertices of a block need.
 struct Piece {
   const float* matrices;
-  const float* translations;
-  const float* shapes;   // of the piece's first lane
-  const float* weights;  // likewise
+  const float* weights;  // of the piece's first lane; points likewise
+  const float* points;
   const uint32_t* handles;
-  size_t num_shapes;
+  const uint32_t* shape_offsets;
+  size_t num_block_shapes;
+  size_t num_shapes;  // of the character
 };
+
+static inline __attribute__((always_inline)) Point LoadPoint(const float* from) {
+  Point p;
+  for (size_t axis = 0; axis < 3; ++axis)
+    p.axis[axis] = Load(from + axis * kLanes);
+  return p;
+}
 
 // q += the next N handles' part. A shape's positions are loaded once for all of them, and their
 // sums are chains enough to keep the multipliers busy.
@@ -89,17 +97,16 @@ static inline __attribute__((always_inline)) void AddHandles(const Piece& piece,
   Point y[N];
   const float* matrix[N];
   for (size_t i = 0; i < N; ++i) {
-    const size_t handle = piece.handles[first + i];
-    matrix[i] = piece.matrices + handle * piece.num_shapes * 12;
+    matrix[i] =
+        piece.matrices + size_t{piece.handles[first + i]} * piece.num_shapes * kMatrixFloats;
     for (size_t row = 0; row < 3; ++row)
-      y[i].axis[row] = Splat(piece.translations[handle * 4 + row]);
+      y[i].axis[row] = Splat(matrix[i][row * 4 + 3]);
   }
-  for (size_t s = 0; s < piece.num_shapes; ++s) {
-    Point p;
-    for (size_t axis = 0; axis < 3; ++axis)
-      p.axis[axis] = Load(piece.shapes + (s * 3 + axis) * kLanes);
+  for (size_t s = 0; s < piece.num_block_shapes; ++s) {
+    const Point p = LoadPoint(piece.points + s * 3 * kLanes);
+    const size_t offset = piece.shape_offsets[s];
     for (size_t i = 0; i < N; ++i)
-      AddLinear(matrix[i] + s * 12, p, &y[i]);
+      AddLinear(matrix[i] + offset, p, &y[i]);
   }
   for (size_t i = 0; i < N; ++i) {
     const Lanes weight = Load(piece.weights + (first + i) * kLanes);
@@ -132,19 +139,20 @@ static inline __attribute__((always_inline)) Point SkinPiece(const Piece& piece,
   return q;
 }
 
-static void Skin(const SkinBlocks& blocks, const float* matrices, const float* translations,
-                 const float* origin, float* out) {
+static void Skin(const SkinBlocks& blocks, const float* matrices, const float* origin, float* out) {
   const size_t num_vertices = blocks.num_vertices;
   for (size_t begin = 0; begin < num_vertices; begin += kLanes) {
-    const size_t block = begin / kLanes, first = blocks.first_handle[block];
-    const size_t count = blocks.first_handle[block + 1] - first;
+    const size_t block = begin / kLanes;
+    const size_t first = blocks.first_handle[block], count = blocks.first_handle[block + 1] - first;
+    const size_t shape = blocks.first_shape[block];
     float q[3][kLanes];
     for (size_t lane = 0; lane < kLanes; lane += kWidth) {
       const Piece piece = {matrices,
-                           translations,
-                           blocks.shapes + block * blocks.num_shapes * 3 * kLanes + lane,
                            blocks.weights + first * kLanes + lane,
+                           blocks.points + shape * 3 * kLanes + lane,
                            blocks.handles + first,
+                           blocks.shape_offsets + shape,
+                           blocks.first_shape[block + 1] - shape,
                            blocks.num_shapes};
       const Point skinned = SkinPiece(piece, count);
       for (size_t row = 0; row < 3; ++row) {

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <random>
 
 namespace limber {
@@ -20,8 +22,12 @@ struct RandomCharacter {
   SkinTransforms transforms() const { return {matrices, origin}; }
 };
 
-// Any weights: local ones, dense ones, vertices that follow one handle alone.
-RandomCharacter MakeRandom(int num_handles, int num_shapes, uint32_t num_vertices) {
+enum class Shapes { kAny, kMoveAll };
+
+// Any weights: local ones, dense ones, vertices that follow one handle alone. Shapes that move all,
+// a part, and (each fourth) nothing; or all that move all.
+RandomCharacter MakeRandom(int num_handles, int num_shapes, uint32_t num_vertices,
+                           Shapes shapes = Shapes::kAny) {
   RandomCharacter made;
   std::mt19937 random(static_cast<unsigned>(num_handles * 100 + num_shapes));
   std::uniform_real_distribution<float> number(-1, 1);
@@ -40,16 +46,22 @@ RandomCharacter MakeRandom(int num_handles, int num_shapes, uint32_t num_vertice
     for (int h = 0; h < num_handles; ++h)
       mesh.weights[mesh.weights.size() - 1 - static_cast<size_t>(h)] /= sum;
   }
-  for (uint32_t i = 0; i < num_vertices * static_cast<uint32_t>(num_shapes); ++i)
-    mesh.shape_positions.push_back({number(random), number(random), number(random)});
+  for (int s = 0; s < num_shapes; ++s) {
+    for (uint32_t v = 0; v < num_vertices; ++v) {
+      const bool is_moved =
+          s == 0 || shapes == Shapes::kMoveAll || s % 4 == 2 || (s % 4 != 3 && random() % 4 == 0);
+      mesh.shape_positions.push_back(is_moved ? Vec3{number(random), number(random), number(random)}
+                                              : mesh.shape_positions[v]);
+    }
+  }
   for (int i = 0; i < num_handles * num_shapes * 12; ++i)
     made.matrices.push_back(number(random));
   return made;
 }
 
 TEST(SkinKernels, EverySetAndSize_IsTheSumInDouble) {
-  for (int num_handles = 1; num_handles <= 14; ++num_handles) {
-    for (const int num_shapes : {1, 2, 3, 7}) {
+  for (int num_handles = 1; num_handles <= 20; ++num_handles) {
+    for (int num_shapes = 1; num_shapes <= 8; ++num_shapes) {
       for (const uint32_t count : {1u, 15u, 16u, 17u, 83u}) {
         const RandomCharacter c = MakeRandom(num_handles, num_shapes, count);
         const SkinLayout layout(c.mesh);
@@ -87,7 +99,7 @@ TEST(SkinKernels, SetsWithFusedArithmetic_GiveTheSameBits) {
 
 // Which vertices come into one block is nobody's affair: a vertex alone has the same bits.
 TEST(SkinKernels, VerticesOfAnyCompany_HaveTheSameBits) {
-  const RandomCharacter c = MakeRandom(7, 3, 64);
+  const RandomCharacter c = MakeRandom(7, 4, 64, Shapes::kMoveAll);
   SkinScratch scratch;
   std::vector<Vec3> together(64), alone(1);
   ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), c.transforms(), &scratch, together).ok());
@@ -97,7 +109,7 @@ TEST(SkinKernels, VerticesOfAnyCompany_HaveTheSameBits) {
     one.solve_vertex = {0};
     one.weights.assign(c.mesh.weights.begin() + v * 7, c.mesh.weights.begin() + v * 7 + 7);
     one.shape_positions.clear();
-    for (size_t s = 0; s < 3; ++s)
+    for (size_t s = 0; s < 4; ++s)
       one.shape_positions.push_back(c.mesh.shape_positions[s * 64 + v]);
     ASSERT_TRUE(SkinPositions(SkinLayout(one), c.transforms(), &scratch, alone).ok());
     EXPECT_EQ(alone[0], together[v]) << v;
@@ -112,6 +124,81 @@ TEST(SkinLayout, BlocksFollowFewHandles) {
     c.mesh.weights[v * 8 + v % 4 * 2] = c.mesh.weights[v * 8 + v % 4 * 2 + 1] = 0.5f;
   const SkinLayout layout(c.mesh);
   EXPECT_EQ(layout.num_block_handles(), 2u * layout.num_blocks());
+}
+
+// In which order vertices come is nobody's affair either, whatever shapes move them.
+TEST(SkinKernels, VerticesInAnyOrder_HaveTheSameBits) {
+  constexpr uint32_t kCount = 203;
+  const RandomCharacter c = MakeRandom(5, 9, kCount);
+  std::vector<uint32_t> from(kCount);
+  std::iota(from.begin(), from.end(), 0u);
+  std::shuffle(from.begin(), from.end(), std::mt19937(3));
+  SkinMesh shuffled = c.mesh;
+  for (uint32_t v = 0; v < kCount; ++v) {
+    std::copy_n(&c.mesh.weights[size_t{from[v]} * 5], 5, &shuffled.weights[size_t{v} * 5]);
+    for (size_t s = 0; s < 9; ++s)
+      shuffled.shape_positions[s * kCount + v] = c.mesh.shape_positions[s * kCount + from[v]];
+  }
+  for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set) {
+    SkinScratch scratch;
+    std::vector<Vec3> plain(kCount), found(kCount);
+    const SkinLayout layout(c.mesh), other(shuffled);
+    ASSERT_TRUE(SkinPositionsWith(**set, layout, c.transforms(), &scratch, plain).ok());
+    ASSERT_TRUE(SkinPositionsWith(**set, other, c.transforms(), &scratch, found).ok());
+    for (uint32_t v = 0; v < kCount; ++v)
+      EXPECT_EQ(std::memcmp(&found[v], &plain[from[v]], sizeof(Vec3)), 0) << (*set)->name << v;
+  }
+}
+
+// Each of eight shapes moves an eighth of the mesh, of which every eighth vertex is one.
+TEST(SkinLayout, BlocksKeepWhatMovesThem) {
+  RandomCharacter c = MakeRandom(1, 9, 256);
+  for (size_t s = 1; s < 9; ++s) {
+    for (size_t v = 0; v < 256; ++v) {
+      c.mesh.shape_positions[s * 256 + v] = c.mesh.shape_positions[v];
+      if (v % 8 == s - 1) c.mesh.shape_positions[s * 256 + v].y += 0.5f;
+    }
+  }
+  const SkinLayout layout(c.mesh);
+  EXPECT_EQ(layout.num_block_shapes(), 2u * layout.num_blocks());
+}
+
+// The identity in shape `s` of the one handle.
+std::vector<float> AllOf(size_t s, size_t num_shapes) {
+  std::vector<float> matrices(num_shapes * 12);
+  for (size_t axis = 0; axis < 3; ++axis)
+    matrices[s * 12 + axis * 5] = 1;
+  return matrices;
+}
+
+// The difference of two finite positions need not be: at rest it must not count.
+TEST(SkinLayout, ShapesBeyondSinglePrecision_LeaveTheOthersAlone) {
+  RandomCharacter c = MakeRandom(1, 2, 4);
+  for (size_t v = 0; v < 4; ++v) {
+    c.mesh.shape_positions[v].x = -3e38f;
+    c.mesh.shape_positions[4 + v] = c.mesh.shape_positions[v];
+  }
+  c.mesh.shape_positions[5] = {3e38f, 0, 0};
+  std::vector<Vec3> found(4);
+  SkinScratch scratch;
+  const std::vector<float> matrices = AllOf(0, 2);
+  ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), {matrices, Vec3{}}, &scratch, found).ok());
+  for (size_t v = 0; v < 4; ++v)
+    EXPECT_EQ(found[v], c.mesh.shape_positions[v]);
+}
+
+TEST(SkinLayout, ShapesMuchSmallerThanTheFirst_KeepTheirDigits) {
+  RandomCharacter c = MakeRandom(1, 2, 20, Shapes::kMoveAll);
+  for (size_t v = 20; v < 40; ++v) {
+    for (int axis = 0; axis < 3; ++axis)
+      c.mesh.shape_positions[v][axis] *= 1e-12f;
+  }
+  std::vector<Vec3> found(20);
+  SkinScratch scratch;
+  const std::vector<float> matrices = AllOf(1, 2);
+  ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), {matrices, Vec3{}}, &scratch, found).ok());
+  for (size_t v = 0; v < 20; ++v)
+    EXPECT_EQ(found[v], c.mesh.shape_positions[20 + v]);
 }
 
 TEST(CpuSkinner, IntoAnyLayout_HasTheSameBitsAndNothingElseIsTouched) {
