@@ -104,8 +104,9 @@ void SkinLayout::ChooseOrder(const SkinMesh& mesh) {
   }
   order_.resize(num_vertices_);
   std::iota(order_.begin(), order_.end(), 0u);
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](uint32_t a, uint32_t b) { return needs[a] > needs[b]; });
+  std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
+    return needs[a] == needs[b] ? a < b : needs[a] > needs[b];
+  });
 }
 
 // The next block's weights of each handle that it follows.

@@ -10,7 +10,3 @@ typedef struct Renderer { /* the engine's own */
 } Renderer;
 
 #include "frame_vulkan.h"
-
-int main(void) {
-  return Attach != 0 && RecordSkin != 0 ? 0 : 1;
-}
