@@ -8,6 +8,8 @@
 namespace limber::capi {
 namespace {
 
+constexpr uint32_t kReplayCookie = 0x4C4D4308;
+
 // Ends the instance that a replay plays.
 class Ending {
  public:
@@ -87,14 +89,23 @@ LimberResult limberGetRecording(LimberContext* context, LimberInstanceId instanc
   });
 }
 
-LimberResult limberReplay(LimberContext* context, LimberRigId rig, const void* bytes,
-                          size_t num_bytes, LimberReplayFunction on_frame, void* user,
+LimberReplayDef limberDefaultReplayDef(void) {
+  LimberReplayDef def = {};
+  def.cookie = kReplayCookie;
+  def.struct_size = sizeof(def);
+  return def;
+}
+
+LimberResult limberReplay(LimberContext* context, LimberRigId rig, const LimberReplayDef* def,
                           LimberReplayReport* report) {
   return CallOn(context, "limberReplay", rig, [&](RigEntry* entry) -> CallStatus {
-    if (bytes == nullptr) return NullArgument("bytes");
+    if (def == nullptr) return NullArgument("def");
+    LimberReplayDef full = limberDefaultReplayDef();
+    LIMBER_RETURN_IF_FAILED(ReadDef(def, "LimberReplayDef", &full));
+    if (full.bytes == nullptr) return NullArgument("def: bytes");
     LimberReplayReport counted = {};
-    const std::span from(static_cast<const uint8_t*>(bytes), num_bytes);
-    const CallStatus status = Replay(context, entry, from, {on_frame, user}, &counted);
+    const std::span from(static_cast<const uint8_t*>(full.bytes), full.num_bytes);
+    CallStatus status = Replay(context, entry, from, {full.on_frame, full.user}, &counted);
     if (status.ok() && report != nullptr) *report = counted;
     return status;
   });

@@ -96,8 +96,7 @@ LimberResult limberRecordVulkanSkins(LimberContext* context, LimberVulkanId vulk
                                      const LimberVulkanFrameDef* frame,
                                      const LimberVulkanSkinDef* skins, uint32_t count) {
   return CallOn(context, "limberRecordVulkanSkins", vulkan, [&](VulkanEntry* entry) {
-    const CallStatus status =
-        Catch([&] { return RecordFrame(context, frame, skins, count, entry); });
+    CallStatus status = Catch([&] { return RecordFrame(context, frame, skins, count, entry); });
     Unmark(entry);
     return status;
   });

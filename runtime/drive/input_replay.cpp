@@ -89,7 +89,7 @@ Result<bool> InputReplay::Next(InputEvent* event) {
 Result<bool> ReplayFrame(InputReplay* replay, PoseState* state, bool* same) {
   InputEvent event;
   while (true) {
-    const Result<bool> more = replay->Next(&event);
+    Result<bool> more = replay->Next(&event);
     if (!more.ok() || !*more) return more;
     int grab = 0;
     LIMBER_RETURN_IF_ERROR(ApplyInput(event, state, &grab));

@@ -1,12 +1,12 @@
 #include "skin/skin_layout.h"
 
 #include <algorithm>
-#include <compare>
 #include <cstddef>
 #include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -85,21 +85,18 @@ void SkinLayout::ChooseOrder(const SkinMesh& mesh) {
 
   // A bit for each handle and shape; beyond 64 they share bits, which makes the order worse and not
   // wrong.
-  struct Needs {
-    uint64_t handles = 0, shapes = 0;
-    auto operator<=>(const Needs&) const = default;
-  };
+  using Needs = std::pair<uint64_t, uint64_t>;  // handles, shapes
 
   const auto bit = [](size_t i) { return uint64_t{1} << (63 - i % 64); };
   std::vector<Needs> needs(num_vertices_);
   for (size_t v = 0; v < num_vertices_; ++v) {
     for (size_t h = 0; h < num_handles; ++h) {
-      if (mesh.weights[v * num_handles + h] != 0) needs[v].handles |= bit(h);
+      if (mesh.weights[v * num_handles + h] != 0) needs[v].first |= bit(h);
     }
     for (size_t s = 1; s < static_cast<size_t>(num_shapes_); ++s) {
       if (local_shapes_[s] != 0 &&
           mesh.shape_positions[s * num_vertices_ + v] != mesh.shape_positions[v])
-        needs[v].shapes |= bit(s);
+        needs[v].second |= bit(s);
     }
   }
   order_.resize(num_vertices_);

@@ -7,7 +7,7 @@
 
 #include <vulkan/vulkan_core.h>
 
-#include <cstring>
+#include <type_traits>
 
 namespace limber {
 
@@ -66,10 +66,11 @@ Status LoadVulkanApi(const VulkanHost& host, VulkanApi* api);
 // others.
 template <class Handle>
 uint64_t VulkanObject(Handle handle) {
-  static_assert(sizeof(Handle) <= sizeof(uint64_t));
-  uint64_t object = 0;
-  std::memcpy(&object, &handle, sizeof(handle));
-  return object;
+  if constexpr (std::is_pointer_v<Handle>) {
+    return reinterpret_cast<uintptr_t>(handle);
+  } else {
+    return handle;
+  }
 }
 
 // Names an object for the host's debugging tools (the instance has VK_EXT_debug_utils).

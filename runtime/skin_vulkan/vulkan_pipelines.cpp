@@ -46,9 +46,8 @@ Status SkinPipelines::FindPositions(uint32_t num_handles, uint32_t num_shapes,
     return {};
   }
   positions_.push_back({num_handles, num_shapes, VK_NULL_HANDLE});
-  const Status made =
-      CreatePipeline(shaders::kSkinPositionsSpirv, sizeof(shaders::kSkinPositionsSpirv),
-                     num_handles, num_shapes, &positions_.back().pipeline);
+  Status made = CreatePipeline(shaders::kSkinPositionsSpirv, sizeof(shaders::kSkinPositionsSpirv),
+                               num_handles, num_shapes, &positions_.back().pipeline);
   *pipeline = positions_.back().pipeline;
   if (!made.ok()) positions_.pop_back();
   return made;

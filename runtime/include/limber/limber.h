@@ -440,12 +440,21 @@ typedef struct LimberReplayReport {
   uint32_t first_different; /* where num_different is not 0 */
 } LimberReplayReport;
 
-/* Asks all of a recording once more, of an instance made for it. `on_frame` and `report` may be
- * null. The bytes may come from anywhere. Errors: STALE_ID, INVALID_ARGUMENT, MALFORMED,
- * VERSION_MISMATCH, MESH_MISMATCH (recorded with another bake), OUT_OF_MEMORY. */
-LIMBER_API LimberResult limberReplay(LimberContext* context, LimberRigId rig, const void* bytes,
-                                     size_t num_bytes, LimberReplayFunction on_frame, void* user,
-                                     LimberReplayReport* report);
+typedef struct LimberReplayDef {
+  uint32_t cookie, struct_size;
+  const void* bytes; /* a recording; it may come from anywhere */
+  size_t num_bytes;
+  LimberReplayFunction on_frame; /* may be null */
+  void* user;
+} LimberReplayDef;
+
+LIMBER_API LimberReplayDef limberDefaultReplayDef(void);
+
+/* Asks all of a recording once more, of an instance made for it. `report` may be null. Errors:
+ * STALE_ID, INVALID_ARGUMENT, STRUCT_NOT_DEFAULT, MALFORMED, VERSION_MISMATCH, MESH_MISMATCH
+ * (recorded with another bake), OUT_OF_MEMORY. */
+LIMBER_API LimberResult limberReplay(LimberContext* context, LimberRigId rig,
+                                     const LimberReplayDef* def, LimberReplayReport* report);
 
 /* ---- Many at once -------------------------------------------------------------------------- */
 

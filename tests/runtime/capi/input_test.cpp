@@ -211,15 +211,15 @@ TEST_F(CapiInput, Recording_IsReplayedWithTheSameBits) {
   static const auto* blend = &blend_of;
   blend = &blend_of;
   LimberReplayReport report = {};
-  ASSERT_EQ(limberReplay(
-                context_, rig_, bytes.data(), size,
-                [](void* user, LimberInstanceId instance, uint32_t) {
-                  static_cast<Seen*>(user)->blends.push_back((*blend)(instance));
-                  return 0;
-                },
-                &seen, &report),
-            LIMBER_SUCCESS)
-      << Message();
+  LimberReplayDef replay = limberDefaultReplayDef();
+  replay.bytes = bytes.data();
+  replay.num_bytes = size;
+  replay.user = &seen;
+  replay.on_frame = [](void* user, LimberInstanceId instance, uint32_t) {
+    static_cast<Seen*>(user)->blends.push_back((*blend)(instance));
+    return 0;
+  };
+  ASSERT_EQ(limberReplay(context_, rig_, &replay, &report), LIMBER_SUCCESS) << Message();
   EXPECT_EQ(report.num_frames, 30u);
   EXPECT_EQ(report.num_different, 0u);
   EXPECT_EQ(seen.blends, blends);
@@ -272,10 +272,15 @@ TEST_F(CapiInput, Misuse_IsRefusedByName) {
   size_t size = 0;
   expect(LIMBER_ERROR_UNSUPPORTED, "nothing is recorded",
          limberGetRecording(context_, instance_, nullptr, 0, &size));
-  expect(LIMBER_ERROR_MALFORMED, "byte 0",
-         limberReplay(context_, rig_, "nothing at all", 14, nullptr, nullptr, nullptr));
-  expect(LIMBER_ERROR_STALE_ID, "rig",
-         limberReplay(context_, {7, 7}, "x", 1, nullptr, nullptr, nullptr));
+  LimberReplayDef replay = limberDefaultReplayDef();
+  expect(LIMBER_ERROR_INVALID_ARGUMENT, "def: is null",
+         limberReplay(context_, rig_, nullptr, nullptr));
+  expect(LIMBER_ERROR_INVALID_ARGUMENT, "bytes: is null",
+         limberReplay(context_, rig_, &replay, nullptr));
+  replay.bytes = "nothing at all";
+  replay.num_bytes = 14;
+  expect(LIMBER_ERROR_MALFORMED, "byte 0", limberReplay(context_, rig_, &replay, nullptr));
+  expect(LIMBER_ERROR_STALE_ID, "rig", limberReplay(context_, {7, 7}, &replay, nullptr));
 }
 
 }  // namespace

@@ -253,9 +253,11 @@ TEST_F(Host, RecordingOfAnActor_ReplaysBitForBit) {
     game.Step();
   const Actor& actor = game.actors()[0];
   const std::vector<unsigned char> recording = actor.instance.Recording();
+  LimberReplayDef def = limberDefaultReplayDef();
+  def.bytes = recording.data();
+  def.num_bytes = recording.size();
   LimberReplayReport report = {};
-  ASSERT_EQ(limberReplay(game.context().get(), game.kinds()[actor.kind].rig.id(), recording.data(),
-                         recording.size(), nullptr, nullptr, &report),
+  ASSERT_EQ(limberReplay(game.context().get(), game.kinds()[actor.kind].rig.id(), &def, &report),
             LIMBER_SUCCESS);
   EXPECT_EQ(report.num_frames, 50u);
   EXPECT_EQ(report.num_different, 0u);
