@@ -16,8 +16,6 @@ class Cursor {
       : to_(static_cast<std::byte*>(output.data)),
         stride_(output.stride) {}
 
-  bool is_wanted() const { return to_ != nullptr; }
-
   template <class T>
   void Put(const T& numbers) {
     if (to_ == nullptr) return;
@@ -55,7 +53,8 @@ Result<std::shared_ptr<const SkinSurface>> SkinSurface::Create(const SkinMesh& m
   return CatchOutOfMemory("skin mesh", [&]() -> Result<Shared> {
     Result<SkinTopology> topology = BuildSkinTopology(mesh, space);
     if (!topology.ok()) return topology.status();
-    return Shared(new SkinSurface{SkinLayout(mesh), std::move(*topology)});
+    FrameLayout frames(*topology);
+    return Shared(new SkinSurface{SkinLayout(mesh), std::move(*topology), std::move(frames)});
   });
 }
 
@@ -64,8 +63,8 @@ Result<CpuSkinner> CpuSkinner::CreateWithoutResults(std::shared_ptr<const SkinSu
   return CatchOutOfMemory("skin", [&]() -> Result<CpuSkinner> {
     CpuSkinner skinner;
     skinner.scratch_.resize(SkinScratchSize(surface->layout));
-    skinner.relative_.resize(surface->layout.num_vertices());
-    skinner.frames_.resize(surface->topology.num_groups());
+    skinner.relative_.resize(size_t{surface->layout.num_vertices()} + 1);
+    skinner.frames_.Resize(surface->topology.num_groups());
     skinner.surface_ = std::move(surface);
     return skinner;
   });
@@ -76,7 +75,7 @@ Result<CpuSkinner> CpuSkinner::Create(std::shared_ptr<const SkinSurface> surface
   if (!made.ok()) return made;
   return CatchOutOfMemory("skin", [&]() -> Result<CpuSkinner> {
     const size_t num_draw = made->topology().draw_vertices.size();
-    made->solve_positions_.resize(made->relative_.size());
+    made->solve_positions_.resize(made->relative().size());
     made->positions_.resize(num_draw);
     made->normals_.resize(num_draw);
     made->tangents_.resize(num_draw);
@@ -91,27 +90,43 @@ Result<CpuSkinner> CpuSkinner::Create(const SkinMesh& mesh, const RigSpace& spac
   return Create(std::move(surface).value());
 }
 
-// Vertex by vertex, so that an interleaved buffer is written from its beginning to its end.
+// Of the solve vertices alone; the one behind them is for wide loads (ComputeSurfaceFrames).
+std::span<Vec3> CpuSkinner::relative() {
+  return std::span(relative_).first(surface_->layout.num_vertices());
+}
+
 Status CpuSkinner::SkinInto(const SkinTransforms& transforms, const SkinOutputs& outputs) {
   LIMBER_RETURN_IF_ERROR(
-      SkinPositions(surface_->layout, {transforms.matrices, {}}, &scratch_, relative_));
-  Cursor positions(outputs.positions), normals(outputs.normals), tangents(outputs.tangents);
-  const bool with_frames = normals.is_wanted() || tangents.is_wanted();
-  if (with_frames) {
-    for (uint32_t g = 0; g < topology().num_groups(); ++g)
-      frames_[g] = ComputeSurfaceFrame(topology(), g, relative_);
+      SkinPositions(surface_->layout, {transforms.matrices, {}}, &scratch_, relative()));
+  if (outputs.normals.data != nullptr || outputs.tangents.data != nullptr) {
+    WriteFrames(transforms.origin, outputs);
+  } else {
+    Cursor positions(outputs.positions);
+    for (const SkinDrawVertex& vertex : topology().draw_vertices)
+      positions.Put(relative_[vertex.solve_vertex] + transforms.origin);
   }
-  for (const SkinDrawVertex& vertex : topology().draw_vertices) {
-    positions.Put(relative_[vertex.solve_vertex] + transforms.origin);
-    if (!with_frames) continue;
-    Vec3 normal;
-    Tangent tangent;
-    ApplyFrame(frames_[vertex.normal_group], vertex, &normal, &tangent);
-    normals.Put(normal);
-    tangents.Put(tangent);
-  }
-  if (outputs.bounds != nullptr) *outputs.bounds = BoundsOf(relative_, transforms.origin);
+  if (outputs.bounds != nullptr) *outputs.bounds = BoundsOf(relative(), transforms.origin);
   return {};
+}
+
+// Vertex by vertex, so that an interleaved buffer is written from its beginning to its end.
+void CpuSkinner::WriteFrames(Vec3 origin, const SkinOutputs& outputs) {
+  const SkinKernels& kernels = ChooseSkinKernels();
+  ComputeSurfaceFrames(kernels, surface_->frames, topology(), relative_, &frames_);
+  Cursor positions(outputs.positions), normals(outputs.normals), tangents(outputs.tangents);
+  const std::span<const SkinDrawVertex> vertices = topology().draw_vertices;
+  for (size_t begin = 0; begin < vertices.size(); begin += kSkinLanes) {
+    const auto some =
+        vertices.subspan(begin, std::min<size_t>(kSkinLanes, vertices.size() - begin));
+    Vec3 some_normals[kSkinLanes];
+    Tangent some_tangents[kSkinLanes];
+    ApplyFrames(kernels, frames_.frames, some, some_normals, some_tangents);
+    for (size_t i = 0; i < some.size(); ++i) {
+      positions.Put(relative_[some[i].solve_vertex] + origin);
+      normals.Put(some_normals[i]);
+      tangents.Put(some_tangents[i]);
+    }
+  }
 }
 
 Status CpuSkinner::SkinResults(const SkinTransforms& transforms, bool with_frames) {
@@ -123,7 +138,7 @@ Status CpuSkinner::SkinResults(const SkinTransforms& transforms, bool with_frame
     outputs.tangents = Packed(&tangents_);
   }
   LIMBER_RETURN_IF_ERROR(SkinInto(transforms, outputs));
-  for (size_t v = 0; v < relative_.size(); ++v)
+  for (size_t v = 0; v < solve_positions_.size(); ++v)
     solve_positions_[v] = relative_[v] + transforms.origin;
   return {};
 }

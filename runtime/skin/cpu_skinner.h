@@ -5,6 +5,7 @@
 #include "core/status.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
+#include "skin/frame_layout.h"
 #include "skin/skin_frames.h"
 #include "skin/skin_layout.h"
 #include "skin/skin_positions.h"
@@ -57,6 +58,7 @@ struct SkinSurface {
 
   SkinLayout layout;
   SkinTopology topology;
+  FrameLayout frames;
 };
 
 // Skins one character at a time; one thread at a time. Calls allocate nothing.
@@ -85,12 +87,14 @@ class CpuSkinner {
 
  private:
   CpuSkinner() = default;
+  std::span<Vec3> relative();
+  void WriteFrames(Vec3 origin, const SkinOutputs& outputs);
   Status SkinResults(const SkinTransforms& transforms, bool with_frames);
 
   std::shared_ptr<const SkinSurface> surface_;
   SkinScratch scratch_;
-  std::vector<Vec3> relative_;        // [V] without the origin: edges keep their digits
-  std::vector<SurfaceFrame> frames_;  // [G]
+  std::vector<Vec3> relative_;  // [V + 1] without the origin: edges keep their digits
+  FrameScratch frames_;
   bool has_results_ = false;
   std::vector<Vec3> solve_positions_, positions_, normals_;
   std::vector<Tangent> tangents_;

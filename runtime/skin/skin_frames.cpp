@@ -1,5 +1,6 @@
 #include "skin/skin_frames.h"
 
+#include "skin/kernels/skin_kernels.h"
 #include "skin/vec3_math.h"
 
 #include <cmath>
@@ -7,9 +8,7 @@
 namespace limber {
 namespace {
 
-// Squared lengths below and above these are no direction (edges are about one unit at most). The
-// bound above leaves room for every product that is taken of such vectors.
-constexpr float kTiny = 1e-30f, kHuge = 1e30f;
+constexpr float kTiny = kTinySquare, kHuge = kHugeSquare;
 
 // Neither without a length, nor too long, nor infinite or NaN.
 bool IsDirection(Vec3 v) {
@@ -75,15 +74,15 @@ SurfaceFrame ComputeSurfaceFrame(const SkinTopology& topology, uint32_t group,
   if (!(Dot(n, n) + Dot(frame.first, frame.first) + Dot(frame.second, frame.second) < kHuge)) {
     return {};
   }
-  frame.valid = IsDirection(n);
-  if (frame.valid) FitFrame(Normalized(n), &frame);
+  frame.valid = IsDirection(n) ? 1 : 0;
+  if (frame.valid != 0) FitFrame(Normalized(n), &frame);
   return frame;
 }
 
 void ApplyFrame(const SurfaceFrame& frame, const SkinDrawVertex& vertex, Vec3* normal,
                 Tangent* tangent) {
   *normal = vertex.normal;
-  if (frame.valid) {
+  if (frame.valid != 0) {
     *normal = Normalized(vertex.normal.x * frame.t + vertex.normal.y * frame.b +
                          vertex.normal.z * frame.n);
   }

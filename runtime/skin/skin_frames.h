@@ -10,7 +10,8 @@ namespace limber {
 
 // What the triangles of one normal group say about the deformed surface at its vertex.
 struct SurfaceFrame {
-  bool valid = false;  // false: no triangle has area, or they are beyond all size
+  // 1, or 0: no triangle has area, or they are beyond all size.
+  uint32_t valid = 0;
   Vec3 t, b, n;        // orthonormal, right-handed; n the area-weighted normal, t and b
                        // nearest to the pushed directions
   Vec3 first, second;  // the two rest tangent directions pushed forward, not normalised

@@ -144,7 +144,7 @@ void FitCorners(const std::vector<Vec3>& rest, Vec3 first, Vec3 second, uint32_t
 void StoreInFrame(const SurfaceFrame& frame, Vec3 normal, const float* tangent,
                   SkinDrawVertex* vertex) {
   const bool authored = Dot(normal, normal) > 0;
-  if (frame.valid) {
+  if (frame.valid != 0) {
     vertex->normal = authored
                          ? Vec3{Dot(frame.t, normal), Dot(frame.b, normal), Dot(frame.n, normal)}
                          : Vec3{0, 0, 1};
@@ -154,7 +154,7 @@ void StoreInFrame(const SurfaceFrame& frame, Vec3 normal, const float* tangent,
   vertex->tangent[0] = 1;
   if (tangent == nullptr) return;
   vertex->handedness = tangent[3] < 0 ? -1.0f : 1.0f;
-  if (!frame.valid) return;
+  if (frame.valid == 0) return;
   // In the plane that ApplyFrame projects to (that of the authored normal, not of the surface), so
   // that at rest the authored tangent comes back exactly.
   const Vec3 n = authored ? normal : frame.n;
@@ -173,8 +173,8 @@ void StoreInFrame(const SurfaceFrame& frame, Vec3 normal, const float* tangent,
 
 // Two orthonormal tangent directions of a group at rest. Any will do; zero where there is no area.
 void ChooseDirections(const SurfaceFrame& frame, Vec3* first, Vec3* second) {
-  *first = frame.valid ? frame.t : Vec3{};
-  *second = frame.valid ? frame.b : Vec3{};
+  *first = frame.valid != 0 ? frame.t : Vec3{};
+  *second = frame.valid != 0 ? frame.b : Vec3{};
 }
 
 Result<SkinTopology> BuildTopology(const SkinMesh& mesh, const RigSpace& space) {

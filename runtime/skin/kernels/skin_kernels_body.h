@@ -1,61 +1,16 @@
 // The body of skin_kernels.h, for one instruction set: LIMBER_KERNEL_NAMESPACE names it.
-//
-// Included only by the kernels, which are compiled once for each instruction set; so nothing here
-// has external linkage, and nothing of the standard library is inlined from here.
+// See skin_lanes.h.
 #pragma once
 
-#include "skin/kernels/skin_kernels.h"
-
-#include <stddef.h>
-#include <stdint.h>
-
-#if defined(__FMA__) || defined(__AVX512F__)
-#include <immintrin.h>
-#elif defined(__ARM_NEON) && defined(__aarch64__)
-#include <arm_neon.h>
-#endif
+#include "skin/kernels/skin_lanes.h"
 
 namespace limber::LIMBER_KERNEL_NAMESPACE {
 
 #if defined(__AVX512F__)
-constexpr size_t kWidth = 16, kMostHandles = 4;
-#elif defined(__AVX__)
-constexpr size_t kWidth = 8, kMostHandles = 3;
+constexpr size_t kMostHandles = 4;
 #else
-constexpr size_t kWidth = 4, kMostHandles = 3;
+constexpr size_t kMostHandles = 3;
 #endif
-constexpr size_t kLanes = kSkinLanes;
-
-using Lanes = float __attribute__((vector_size(kWidth * sizeof(float))));
-
-static inline __attribute__((always_inline)) Lanes Load(const float* from) {
-  Lanes lanes;
-  __builtin_memcpy(&lanes, from, sizeof(lanes));
-  return lanes;
-}
-
-static inline __attribute__((always_inline)) Lanes Splat(float value) {
-#if defined(__AVX512F__)
-  return _mm512_set1_ps(value);
-#elif defined(__AVX__)
-  return _mm256_set1_ps(value);
-#else
-  return Lanes{value, value, value, value};
-#endif
-}
-
-// a b + c, rounded once where the machine can.
-static inline __attribute__((always_inline)) Lanes MulAdd(Lanes a, Lanes b, Lanes c) {
-#if defined(__AVX512F__)
-  return _mm512_fmadd_ps(a, b, c);
-#elif defined(__FMA__)
-  return _mm256_fmadd_ps(a, b, c);
-#elif defined(__ARM_NEON) && defined(__aarch64__)
-  return vfmaq_f32(c, a, b);
-#else
-  return a * b + c;
-#endif
-}
 
 struct Point {
   Lanes axis[3];

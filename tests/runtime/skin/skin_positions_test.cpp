@@ -93,9 +93,17 @@ TEST(CpuSkinner, SkinningAFrame_AllocatesNothing) {
   const test::SkinFixture fixture = test::MakeSeamSphereFixture(16, 9);
   Result<CpuSkinner> skinner = CpuSkinner::Create(fixture.mesh, fixture.space);
   ASSERT_TRUE(skinner.ok());
+  auto surface = SkinSurface::Create(fixture.mesh, fixture.space);
+  ASSERT_TRUE(surface.ok());
+  Result<CpuSkinner> lean = CpuSkinner::CreateWithoutResults(*surface);
+  ASSERT_TRUE(lean.ok());
+  std::vector<Vec3> normals(fixture.mesh.num_draw_vertices);
+  SkinOutputs outputs;
+  outputs.normals = {normals.data(), sizeof(Vec3)};
   const test::SkinPose pose = test::RestPose(fixture);
   const int64_t before = test::AllocationCount();
   for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(lean->SkinInto(pose.view(), outputs).ok());
     ASSERT_TRUE(skinner->Skin(pose.view()).ok());
     ASSERT_TRUE(skinner->SkinPositionsOnly(pose.view()).ok());
   }
