@@ -26,8 +26,10 @@ FrameLayout::FrameLayout(const SkinTopology& topology)
       inverse_scale_(topology.inverse_scale) {
   std::vector<uint32_t> sorted(num_groups_);
   std::iota(sorted.begin(), sorted.end(), 0u);
-  std::stable_sort(sorted.begin(), sorted.end(), [&](uint32_t a, uint32_t b) {
-    return NumCorners(topology, a) < NumCorners(topology, b);
+  std::sort(sorted.begin(), sorted.end(), [&](uint32_t a, uint32_t b) {
+    return NumCorners(topology, a) == NumCorners(topology, b)
+               ? a < b
+               : NumCorners(topology, a) < NumCorners(topology, b);
   });
   first_corner_.push_back(0);
   const std::span<const uint32_t> groups = sorted;
