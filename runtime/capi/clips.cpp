@@ -41,15 +41,15 @@ Quaternion Mix(const Quaternion& a, const Quaternion& b, float t) {
   return {q.x / length, q.y / length, q.z / length, q.w / length};
 }
 
-CallStatus ApplyTo(const LimberClipDef& def, int handle, const HandlePlace& place,
+CallStatus ApplyTo(const LimberClipDef& def, const ClipHandle& of, const HandlePlace& place,
                    Instance* instance) {
-  if (!instance->state.is_pinned(handle)) return {};
+  const int handle = of.handle;
   const Vec3 from = instance->state.target(handle);
   const Vec3 to = {Mix(from.x, place.position.x, def.weight),
                    Mix(from.y, place.position.y, def.weight),
                    Mix(from.z, place.position.z, def.weight)};
   LIMBER_RETURN_IF_FAILED(Ask(TargetEvent(handle, to), instance));
-  if (!place.is_turned || def.rotations == 0) return {};
+  if (!of.is_turned || def.rotations == 0) return {};
   const HandleWishes& wishes = instance->wishes[static_cast<size_t>(handle)];
   const Quaternion turned = wishes.is_turned ? wishes.rotation : Quaternion();
   return Ask(RotationEvent(handle, Mix(turned, place.rotation, def.weight), def.rotation_stiffness),
@@ -63,10 +63,13 @@ CallStatus Apply(const LimberClipDef& def, Instance* instance) {
   if (!(def.weight >= 0 && def.weight <= 1))
     return {LIMBER_ERROR_INVALID_ARGUMENT, "weight: from 0 to 1"};
   const double time = TimeWithin(def, clips.duration(def.clip));
-  for (const int handle : clips.handles(def.clip)) {
-    CallStatus applied = ApplyTo(def, handle, clips.Sample(def.clip, handle, time), instance);
+  const HandleClips::Moment moment = clips.MomentOf(def.clip, time);
+  for (const ClipHandle& handle : clips.handles(def.clip)) {
+    if (!instance->state.is_pinned(handle.handle)) continue;
+    CallStatus applied = ApplyTo(def, handle, clips.Sample(moment, handle), instance);
     if (applied.ok()) continue;
-    const std::string& name = instance->rig->tables().handles[static_cast<size_t>(handle)].name;
+    const auto index = static_cast<size_t>(handle.handle);
+    const std::string& name = instance->rig->tables().handles[index].name;
     return {applied.result,
             "clip " + clips.name(def.clip) + ": handle " + name + ": " + applied.message};
   }

@@ -6,8 +6,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
+#include <map>
+
 namespace limber {
 namespace {
+
+// A hostile file must not make a second's work of each of a million clips.
+constexpr size_t kMostClips = 1024;
+constexpr int kMostNodesAbove = 256;
 
 constexpr double kSmallestDeterminant = 1e-12;  // of a node's transform that can be undone
 
@@ -38,8 +46,12 @@ Result<std::shared_ptr<const HandleClips>> HandleClips::Read(const GltfFile& fil
     clips->mesh_node_ = FindRigNode(file, rig_index);
     if (clips->mesh_node_ < 0)
       return Error(StatusCode::kInvalidArgument, "clips: no node carries rig %d", rig_index);
-    clips->ReadHandles(rig, file);
+    clips->ReadHandles(rig, file, warnings);
     for (size_t a = 0; a < NumAnimations(file); ++a) {
+      if (clips->clips_.size() == kMostClips) {
+        warnings->push_back(file.name() + ": animations: only the first 1024 that move a handle");
+        break;
+      }
       Result<AnimationClip> clip = ReadAnimationClip(file, static_cast<int>(a));
       if (!clip.ok()) {
         warnings->push_back(file.name() + ": " + clip.status().message());
@@ -52,37 +64,62 @@ Result<std::shared_ptr<const HandleClips>> HandleClips::Read(const GltfFile& fil
   });
 }
 
-void HandleClips::ReadHandles(const Rig& rig, const GltfFile& file) {
+bool HandleClips::IsShallow(int node) const {
+  int depth = 0;
+  for (; node >= 0 && depth <= kMostNodesAbove; ++depth)
+    node = parent_[static_cast<size_t>(node)];
+  return depth <= kMostNodesAbove;
+}
+
+void HandleClips::ReadHandles(const Rig& rig, const GltfFile& file,
+                              std::vector<std::string>* warnings) {
   parent_ = ParentNodes(file);
   local_ = LocalTransforms(file);
   is_above_mesh_.resize(parent_.size(), false);
   for (int node = mesh_node_; node >= 0; node = parent_[static_cast<size_t>(node)])
     is_above_mesh_[static_cast<size_t>(node)] = true;
+  matters_ = is_above_mesh_;
   const std::vector<Eigen::Matrix4d> world = WorldTransforms(file);
-  const Eigen::Matrix4d to_mesh = Inverse(world[static_cast<size_t>(mesh_node_)]);
+  const Eigen::Matrix4d mesh_from_world = Inverse(world[static_cast<size_t>(mesh_node_)]);
   for (const RigHandle& from : rig.tables().handles) {
-    Handle handle;
     const Vec3 rest = from.rest_position;
+    Handle handle;
     handle.rest_position = Eigen::Vector3d(rest.x, rest.y, rest.z);
-    const bool in_file = from.node >= 0 && static_cast<size_t>(from.node) < parent_.size();
-    if (in_file && HasName(file, from.node, from.name)) {
+    const bool in_file = from.node >= 0 && static_cast<size_t>(from.node) < parent_.size() &&
+                         HasName(file, from.node, from.name);
+    if (in_file && IsShallow(from.node) && IsShallow(mesh_node_)) {
       handle.node = from.node;
-      handle.rest = to_mesh * world[static_cast<size_t>(from.node)];
-      handle.inverse_rest = Inverse(handle.rest);
+      handle.node_from_mesh = Inverse(mesh_from_world * world[static_cast<size_t>(from.node)]);
+      for (int node = from.node; node >= 0; node = parent_[static_cast<size_t>(node)])
+        matters_[static_cast<size_t>(node)] = true;
+    } else if (in_file) {
+      warnings->push_back(file.name() + ": node " + std::to_string(from.node) +
+                          ": more than 256 nodes are above it or the mesh; nothing animates it");
     }
     handles_.push_back(handle);
   }
 }
 
-template <class HasTrack>
-bool HandleClips::AnyBetween(int handle_node, const HasTrack& has_track) const {
+const HandleClips::NodeTracks* HandleClips::FindTracks(const Clip& clip, int node) {
+  const auto found =
+      std::lower_bound(clip.moved.begin(), clip.moved.end(), node,
+                       [](const NodeTracks& tracks, int wanted) { return tracks.node < wanted; });
+  return found != clip.moved.end() && found->node == node ? &*found : nullptr;
+}
+
+template <class Has>
+bool HandleClips::AnyBetween(const Clip& clip, int handle_node, const Has& has) const {
+  const auto is_moved = [&](int node) {
+    const NodeTracks* tracks = FindTracks(clip, node);
+    return tracks != nullptr && has(*tracks);
+  };
   int common = handle_node;  // the first node above both, or none
   for (; common >= 0 && !is_above_mesh_[static_cast<size_t>(common)];
        common = parent_[static_cast<size_t>(common)]) {
-    if (has_track(static_cast<size_t>(common))) return true;
+    if (is_moved(common)) return true;
   }
   for (int node = mesh_node_; node != common; node = parent_[static_cast<size_t>(node)]) {
-    if (has_track(static_cast<size_t>(node))) return true;
+    if (is_moved(node)) return true;
   }
   return false;
 }
@@ -91,23 +128,27 @@ HandleClips::Clip HandleClips::MakeClip(AnimationClip from) const {
   Clip clip;
   clip.name = std::move(from.name);
   clip.duration = from.duration;
-  clip.of_node.resize(parent_.size());
+  std::map<int, NodeTracks> moved;
   for (ClipChannel& channel : from.channels) {
-    if (channel.path == ClipPath::kWeights) continue;
-    NodeTracks& tracks = clip.of_node[static_cast<size_t>(channel.node)];
+    if (channel.path == ClipPath::kWeights || !matters_[static_cast<size_t>(channel.node)])
+      continue;
+    NodeTracks& tracks = moved[channel.node];
+    tracks.node = channel.node;
     int& track = channel.path == ClipPath::kTranslation ? tracks.translation
                  : channel.path == ClipPath::kRotation  ? tracks.rotation
                                                         : tracks.scale;
     track = static_cast<int>(clip.tracks.size());
     clip.tracks.push_back(std::move(channel.track));
   }
+  if (moved.empty()) return clip;
+  for (const auto& [node, tracks] : moved)
+    clip.moved.push_back(tracks);
   for (size_t h = 0; h < handles_.size(); ++h) {
-    const bool moves =
-        handles_[h].node >= 0 && AnyBetween(handles_[h].node, [&](size_t node) {
-          const NodeTracks& tracks = clip.of_node[node];
-          return tracks.translation >= 0 || tracks.rotation >= 0 || tracks.scale >= 0;
-        });
-    if (moves) clip.handles.push_back(static_cast<int>(h));
+    const int node = handles_[h].node;
+    if (node < 0 || !AnyBetween(clip, node, [](const NodeTracks&) { return true; })) continue;
+    const bool is_turned =
+        AnyBetween(clip, node, [](const NodeTracks& tracks) { return tracks.rotation >= 0; });
+    clip.handles.push_back({static_cast<int>(h), is_turned});
   }
   return clip;
 }
@@ -122,8 +163,9 @@ int HandleClips::Find(const std::string& name) const {
 Eigen::Matrix4d HandleClips::WorldAt(const Clip& clip, int node, double time) const {
   Eigen::Matrix4d world = Eigen::Matrix4d::Identity();
   for (; node >= 0; node = parent_[static_cast<size_t>(node)]) {
-    const NodeTracks& tracks = clip.of_node[static_cast<size_t>(node)];
     NodeTransform local = local_[static_cast<size_t>(node)];
+    const NodeTracks none, *found = FindTracks(clip, node);
+    const NodeTracks& tracks = found == nullptr ? none : *found;
     std::array<double, 3> value{};
     if (tracks.translation >= 0) {
       SampleTrack(clip.tracks[static_cast<size_t>(tracks.translation)], time, value);
@@ -140,25 +182,21 @@ Eigen::Matrix4d HandleClips::WorldAt(const Clip& clip, int node, double time) co
   return world;
 }
 
-HandlePlace HandleClips::Sample(int clip_index, int handle_index, double time) const {
-  const Clip& clip = At(clip_index);
-  const Handle& handle = handles_[static_cast<size_t>(handle_index)];
-  const Eigen::Matrix4d now =
-      Inverse(WorldAt(clip, mesh_node_, time)) * WorldAt(clip, handle.node, time);
-  const Eigen::Matrix4d moved = now * handle.inverse_rest;
+HandleClips::Moment HandleClips::MomentOf(int clip, double time) const {
+  return {clip, time, Inverse(WorldAt(At(clip), mesh_node_, time))};
+}
+
+HandlePlace HandleClips::Sample(const Moment& moment, const ClipHandle& clip_handle) const {
+  const Handle& handle = handles_[static_cast<size_t>(clip_handle.handle)];
+  const Eigen::Matrix4d world = WorldAt(At(moment.clip), handle.node, moment.time);
+  Eigen::Affine3d moved;
+  moved.matrix() = moment.mesh_from_world * world * handle.node_from_mesh;
+  const Eigen::Vector3f position = (moved * handle.rest_position).cast<float>();
   HandlePlace place;
-  const Eigen::Vector3d position =
-      moved.topLeftCorner<3, 3>() * handle.rest_position + moved.topRightCorner<3, 1>();
-  place.position = {static_cast<float>(position[0]), static_cast<float>(position[1]),
-                    static_cast<float>(position[2])};
-  place.is_turned =
-      AnyBetween(handle.node, [&](size_t node) { return clip.of_node[node].rotation >= 0; });
-  if (!place.is_turned) return place;
-  Eigen::Affine3d affine;
-  affine.matrix() = moved;
-  const Eigen::Quaterniond q(affine.rotation());
-  place.rotation = {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
-                    static_cast<float>(q.w())};
+  place.position = {position[0], position[1], position[2]};
+  if (!clip_handle.is_turned) return place;
+  const Eigen::Quaternionf q(Eigen::Quaterniond(moved.rotation()).cast<float>());
+  place.rotation = {q.x(), q.y(), q.z(), q.w()};
   return place;
 }
 

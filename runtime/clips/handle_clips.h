@@ -10,7 +10,6 @@
 #include "load/gltf_file.h"
 #include "rig/rig.h"
 
-#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,13 +21,19 @@ namespace limber {
 struct HandlePlace {
   Vec3 position;
   Quaternion rotation;  // from rest; the identity where the clip turns nothing
-  bool is_turned = false;
+};
+
+// A handle that a clip moves.
+struct ClipHandle {
+  int handle = -1;
+  bool is_turned = false;  // it has rotations
 };
 
 class HandleClips {
  public:
   // Clips that move no handle are left out, and so are those that cannot be read: each of these is
-  // named in a line of `warnings`. Errors: kInvalidArgument (no such rig), kOutOfMemory.
+  // named in a line of `warnings`, as is what exceeds a limit (256 nodes above the mesh or a
+  // handle, 1024 clips). Errors: kInvalidArgument (no such rig), kOutOfMemory.
   static Result<std::shared_ptr<const HandleClips>> Read(const GltfFile& file, const Rig& rig,
                                                          int rig_index,
                                                          std::vector<std::string>* warnings);
@@ -40,48 +45,61 @@ class HandleClips {
   double duration(int clip) const { return At(clip).duration; }  // seconds
 
   // The handles that it moves, increasing.
-  std::span<const int> handles(int clip) const { return At(clip).handles; }
+  std::span<const ClipHandle> handles(int clip) const { return At(clip).handles; }
 
   // The first clip of that name, -1 if there is none.
   int Find(const std::string& name) const;
 
-  // Of one of the clip's handles; before the start and after the end it is as it is there. The
-  // handle's rest position moves as if it were fixed to its node, which may stand beside it.
-  // Allocates nothing.
-  HandlePlace Sample(int clip, int handle, double time) const;
+  // A clip at one moment: what all handles have in common there.
+  struct Moment {
+    int clip = 0;
+    double time = 0;
+    Eigen::Matrix4d mesh_from_world;
+  };
+
+  // Before the start and after the end a clip is as it is there. Allocates nothing.
+  Moment MomentOf(int clip, double time) const;
+
+  // Of one of the clip's handles. Its rest position moves as if it were fixed to its node, which
+  // may stand beside it. Allocates nothing.
+  HandlePlace Sample(const Moment& moment, const ClipHandle& handle) const;
 
  private:
   // What moves one node: indices into Clip::tracks, -1 none.
   struct NodeTracks {
+    int node = -1;
     int translation = -1, rotation = -1, scale = -1;
   };
 
   struct Clip {
     std::string name;
     double duration = 0;
-    std::vector<int> handles;
+    std::vector<ClipHandle> handles;
     std::vector<KeyframeTrack> tracks;
-    std::vector<NodeTracks> of_node;  // [nodes]
+    std::vector<NodeTracks> moved;  // by node
   };
 
   struct Handle {
-    int node = -1;
-    Eigen::Vector3d rest_position;       // mesh space
-    Eigen::Matrix4d rest, inverse_rest;  // node -> mesh space, nothing animated
+    int node = -1;                   // -1: nothing animates it
+    Eigen::Vector3d rest_position;   // mesh space
+    Eigen::Matrix4d node_from_mesh;  // nothing animated
   };
 
   const Clip& At(int clip) const { return clips_[static_cast<size_t>(clip)]; }
 
-  void ReadHandles(const Rig& rig, const GltfFile& file);
+  void ReadHandles(const Rig& rig, const GltfFile& file, std::vector<std::string>* warnings);
   Clip MakeClip(AnimationClip from) const;
-  // Whether a node on the way from a handle's to the mesh's has such a track; those above both
-  // carry both along.
-  template <class HasTrack>
-  bool AnyBetween(int handle_node, const HasTrack& has_track) const;
+  // Whether a node on the way from a handle's to the mesh's has such tracks; those above both carry
+  // both along.
+  template <class Has>
+  bool AnyBetween(const Clip& clip, int handle_node, const Has& has) const;
+  bool IsShallow(int node) const;
+  static const NodeTracks* FindTracks(const Clip& clip, int node);
   Eigen::Matrix4d WorldAt(const Clip& clip, int node, double time) const;
 
   std::vector<int> parent_;           // [nodes]
   std::vector<bool> is_above_mesh_;   // [nodes]: the mesh's own node, or one that carries it
+  std::vector<bool> matters_;         // [nodes]: those, and handles' nodes and what carries them
   std::vector<NodeTransform> local_;  // [nodes], at rest
   int mesh_node_ = -1;
   std::vector<Handle> handles_;  // [H]

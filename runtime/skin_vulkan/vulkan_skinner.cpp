@@ -148,12 +148,15 @@ Status VulkanSkinner::MakeRoom(Slot* slot) {
 }
 
 const VulkanSkinner::Place* VulkanSkinner::FindLast(const VulkanSkinJob& job) const {
+  if (job.last_positions.buffer == VK_NULL_HANDLE || job.jumps) return nullptr;
   const auto& places = last_scratch().places;
   const auto found = std::lower_bound(
       places.begin(), places.end(), job.instance,
       [](const Place& place, uint64_t instance) { return place.instance < instance; });
-  const bool was_there = found != places.end() && found->instance == job.instance;
-  return was_there && !job.jumps ? &*found : nullptr;
+  // Under another rig the instance had other vertices.
+  const bool was_there =
+      found != places.end() && found->instance == job.instance && found->rig == job.rig;
+  return was_there ? &*found : nullptr;
 }
 
 // The part of the last scratch that a batch reads; where the device cannot bind as much, the
@@ -211,7 +214,7 @@ void VulkanSkinner::WriteBatch(const SkinBatch& batch, std::span<const VulkanSki
     const VkDeviceSize position =
         batch.positions.offset / kPositionBytes + VkDeviceSize{i} * counts.num_solve_vertices;
     scratch().places.push_back(
-        {job.instance, static_cast<uint32_t>(position), job.transforms.origin});
+        {job.instance, job.rig, static_cast<uint32_t>(position), job.transforms.origin});
   }
   BindBatch(batch, last, slot, set);
 }

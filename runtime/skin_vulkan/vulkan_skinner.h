@@ -90,6 +90,7 @@ class VulkanSkinner {
   // Where an instance's solve positions of a frame are.
   struct Place {
     uint64_t instance;
+    const VulkanSkinRig* rig;
     uint32_t position;  // vec4s into the scratch
     Vec3 origin;
   };
@@ -112,6 +113,7 @@ class VulkanSkinner {
                  VkDescriptorSet set) const;
   shaders::SkinRecord RecordOf(const SkinBatch& batch, const VulkanSkinJob& job,
                                const BufferRange& last) const;
+  // Null: the job wants no last positions, or there are none.
   const Place* FindLast(const VulkanSkinJob& job) const;
   BufferRange LastRange(const SkinBatch& batch, std::span<const VulkanSkinJob> jobs) const;
   void RecordUploads(VkCommandBuffer commands, Slot* slot);

@@ -106,8 +106,8 @@ typedef struct LimberVulkanSkinDef {
   LimberVulkanOutput normals;        /* 3 floats each, unit, recomputed from the deformed surface */
   LimberVulkanOutput tangents;       /* 4 floats each as in glTF: unit, and the bitangent's sign */
   LimberVulkanOutput last_positions; /* 3 floats each, for motion vectors: the positions of the
-                                        frame recorded before, if the instance was in it, else this
-                                        one's */
+                                        frame recorded before, if the instance was in it with this
+                                        rig, else this one's */
   int32_t jumps;                     /* 1: this one's as well, as after a cut or a teleport (0) */
 } LimberVulkanSkinDef;
 

@@ -210,6 +210,11 @@ TEST_F(VulkanFramesTest, LastPositions_AreThoseOfTheFrameBefore) {
   const Frame fifth = run(1, 1, jobs);
   EXPECT_EQ(fifth.last[0], fifth.now[0]);
   EXPECT_EQ(fifth.last[1], fourth.now[1]);
+  jobs[0].jumps = false;
+  jobs[0].rig = jobs[1].rig;  // as after a hot reload: other vertices
+  const Frame sixth = run(2, 2, jobs);
+  EXPECT_EQ(sixth.last[0], sixth.now[0]);
+  EXPECT_EQ(sixth.last[1], fifth.now[1]);
 }
 
 // Cylinders and spheres, each kind's vertices after each other, from `offset` on.

@@ -77,8 +77,17 @@ class VulkanHostTest : public test::VulkanSkinTest {
     is_lost = false;
   }
 
+  VulkanSkinJob MakeJob(VulkanSkinner* skinner, const VulkanBuffer& vertices) {
+    VulkanSkinJob job;
+    job.rig = AddRig(skinner, cylinder_);
+    job.transforms = pose_.view();
+    SetStreams(vertices.handle(), 0, &job);
+    return job;
+  }
+
   const test::SkinFixture cylinder_ = test::MakeCylinderFixture(11, 9);
   const test::SkinPose pose_ = test::CylinderPose(cylinder_, 0.6);
+  const VkDeviceSize vertex_bytes_ = cylinder_.mesh.num_draw_vertices * sizeof(SkinnedVertex);
   VulkanHost host_;
 };
 
@@ -91,12 +100,8 @@ TEST_F(VulkanHostTest, HostsAllocator_MakesAndFreesEveryBuffer) {
     options.force_staging = true;
     auto skinner = VulkanSkinner::Create(host_, options);
     ASSERT_TRUE(skinner.ok());
-    const VulkanBuffer vertices =
-        MakeVertices(cylinder_.mesh.num_draw_vertices * sizeof(SkinnedVertex));
-    VulkanSkinJob job;
-    job.rig = AddRig(skinner->get(), cylinder_);
-    job.transforms = pose_.view();
-    SetStreams(vertices.handle(), 0, &job);
+    const VulkanBuffer vertices = MakeVertices(vertex_bytes_);
+    const VulkanSkinJob job = MakeJob(skinner->get(), vertices);
     std::vector<std::byte> bytes;
     for (uint32_t frame = 0; frame < 8; ++frame) {
       bytes = RunFrame(skinner->get(), frame % 2, {&job, 1}, vertices);
@@ -119,12 +124,8 @@ TEST_F(VulkanHostTest, RefusedMemory_IsReportedAndTheNextFrameGoesOn) {
   host_.memory = {HostAllocator::Create, HostAllocator::Destroy, &allocator};
   auto skinner = VulkanSkinner::Create(host_, {});
   ASSERT_TRUE(skinner.ok());
-  const VulkanBuffer vertices =
-      MakeVertices(cylinder_.mesh.num_draw_vertices * sizeof(SkinnedVertex));
-  VulkanSkinJob job;
-  job.rig = AddRig(skinner->get(), cylinder_);
-  job.transforms = pose_.view();
-  SetStreams(vertices.handle(), 0, &job);
+  const VulkanBuffer vertices = MakeVertices(vertex_bytes_);
+  const VulkanSkinJob job = MakeJob(skinner->get(), vertices);
   allocator.refusal = VK_ERROR_OUT_OF_DEVICE_MEMORY;
   const Status refused = (*skinner)->Record(VK_NULL_HANDLE, 0, {&job, 1}, {});
   EXPECT_EQ(refused.code(), StatusCode::kDeviceError);
