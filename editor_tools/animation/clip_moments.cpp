@@ -1,6 +1,7 @@
 #include "animation/clip_moments.h"
 
 #include "core/printable.h"
+#include "core/vector.h"
 
 #include <algorithm>
 #include <charconv>
@@ -29,12 +30,12 @@ double RoundToDecimals(double number, int decimals) {
 
 }  // namespace
 
-Result<std::vector<double>> CheckMoments(const AnimationClip& clip, std::span<const double> times) {
+Result<Vector<double>> CheckMoments(const AnimationClip& clip, std::span<const double> times) {
   const std::string name = "clip " + Quoted(clip.name);
   if (times.empty()) {
     return Error(StatusCode::kInvalidArgument, "%s: no moment of it was asked for", name.c_str());
   }
-  std::vector<double> moments;
+  Vector<double> moments;
   for (const double time : times) {
     if (!std::isfinite(time) || time < 0) {
       return Error(StatusCode::kInvalidArgument,
@@ -54,7 +55,7 @@ Result<std::vector<double>> CheckMoments(const AnimationClip& clip, std::span<co
   return moments;
 }
 
-Result<std::vector<double>> SpreadMoments(const AnimationClip& clip, int count, bool loops) {
+Result<Vector<double>> SpreadMoments(const AnimationClip& clip, int count, bool loops) {
   if (count > 1 && !(clip.duration > 0)) {
     return Error(StatusCode::kInvalidArgument,
                  "clip %s: it has no length, so there is only one moment to take",
@@ -63,7 +64,7 @@ Result<std::vector<double>> SpreadMoments(const AnimationClip& clip, int count, 
   const double step = clip.duration / std::max(1, loops ? count : count - 1);
   const int decimals =
       step > 0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(step))), 0, 12) : 0;
-  std::vector<double> moments;
+  Vector<double> moments;
   moments.reserve(static_cast<size_t>(count));
   for (int k = 0; k < count; ++k)
     moments.push_back(RoundToDecimals(step * k, decimals));

@@ -1,5 +1,7 @@
 #include "animation/clip_shapes.h"
 
+#include "core/vector.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -12,13 +14,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The node's own weights, else the mesh's, else none (glTF 2.0, section 3.7.2.2).
-Result<std::vector<double>> RestWeights(const GltfFile& file, size_t node, size_t num_targets) {
+Result<Vector<double>> RestWeights(const GltfFile& file, size_t node, size_t num_targets) {
   const Json& node_json = file.json()["nodes"][node];
   const auto mesh = node_json["mesh"].get<size_t>();
   const Json& mesh_json = file.json()["meshes"][mesh];
   const bool of_node = node_json.contains("weights");
   const Json& owner = of_node ? node_json : mesh_json;
-  std::vector<double> weights(num_targets, 0.0);
+  Vector<double> weights(num_targets, 0.0);
   const auto it = owner.find("weights");
   if (it == owner.end()) return weights;
   bool good = it->is_array() && it->size() == num_targets;
@@ -41,9 +43,9 @@ Result<Skin> ReadNodeSkin(const GltfFile& file, const Json& node) {
 }
 
 // Marks the joints and every node above one.
-std::vector<bool> NodesThatMove(const GltfFile& file, const Skin& skin) {
-  const std::vector<int> parent = ParentNodes(file);
-  std::vector<bool> moves(parent.size(), false);
+Vector<bool> NodesThatMove(const GltfFile& file, const Skin& skin) {
+  const Vector<int> parent = ParentNodes(file);
+  Vector<bool> moves(parent.size(), false);
   for (const int joint : skin.joints) {
     for (int at = joint; at >= 0 && !moves[static_cast<size_t>(at)];
          at = parent[static_cast<size_t>(at)]) {
@@ -57,7 +59,7 @@ std::vector<bool> NodesThatMove(const GltfFile& file, const Skin& skin) {
 
 bool ClipDeforms(const GltfFile& file, const AnimationClip& clip, int node) {
   const Json& json = file.json()["nodes"][static_cast<size_t>(node)];
-  std::vector<bool> moves(file.json()["nodes"].size(), false);
+  Vector<bool> moves(file.json()["nodes"].size(), false);
   if (json.contains("skin")) {
     const Result<Skin> skin = ReadNodeSkin(file, json);
     if (!skin.ok()) return true;
@@ -65,7 +67,7 @@ bool ClipDeforms(const GltfFile& file, const AnimationClip& clip, int node) {
   }
   return std::any_of(clip.channels.begin(), clip.channels.end(), [&](const ClipChannel& channel) {
     if (channel.path != ClipPath::kWeights) return bool{moves[static_cast<size_t>(channel.node)]};
-    const std::vector<double>& weights = channel.track.values;
+    const Vector<double>& weights = channel.track.values;
     return channel.node == node &&
            std::any_of(weights.begin(), weights.end(), [](double weight) { return weight != 0; });
   });
@@ -80,7 +82,7 @@ Result<ClipShapes> ClipShapes::Create(const GltfFile& file, int node) {
   if (json.contains("skin")) {
     Result<Skin> skin = ReadNodeSkin(file, json);
     if (!skin.ok()) return skin.status();
-    const std::vector<Eigen::Matrix4d> world = WorldTransforms(file, shapes.rest_local_);
+    const Vector<Eigen::Matrix4d> world = WorldTransforms(file, shapes.rest_local_);
     const Result<Eigen::Matrix4d> back = WorldToMesh(file, *skin, world);
     if (!back.ok()) return back.status();
     shapes.world_to_mesh_ = *back;
@@ -92,19 +94,19 @@ Result<ClipShapes> ClipShapes::Create(const GltfFile& file, int node) {
   Result<SkinnedMesh> mesh = ReadSkinnedMesh(file, json["mesh"].get<int>(), num_joints, root);
   if (!mesh.ok()) return mesh.status();
   shapes.mesh_ = std::move(*mesh);
-  Result<std::vector<double>> weights =
+  Result<Vector<double>> weights =
       RestWeights(file, static_cast<size_t>(node), shapes.mesh_.num_targets);
   if (!weights.ok()) return weights.status();
   shapes.rest_weights_ = std::move(*weights);
   return shapes;
 }
 
-std::vector<Eigen::Matrix4d> ClipShapes::JointMatricesAt(const AnimationClip& clip, double time,
-                                                         bool in_place) const {
+Vector<Eigen::Matrix4d> ClipShapes::JointMatricesAt(const AnimationClip& clip, double time,
+                                                    bool in_place) const {
   if (!has_skin()) return {};
-  std::vector<NodeTransform> local = rest_local_;
+  Vector<NodeTransform> local = rest_local_;
   ApplyClip(clip, time, &local);
-  const std::vector<Eigen::Matrix4d> world = WorldTransforms(*file_, local);
+  const Vector<Eigen::Matrix4d> world = WorldTransforms(*file_, local);
   Eigen::Matrix4d to_mesh = world_to_mesh_;
   if (in_place) {
     const Eigen::Matrix4d& root = world[static_cast<size_t>(skin_->joints[skin_->root])];
@@ -116,12 +118,12 @@ std::vector<Eigen::Matrix4d> ClipShapes::JointMatricesAt(const AnimationClip& cl
   return JointMatrices(*skin_, world, to_mesh);
 }
 
-std::vector<PosedPrimitive> ClipShapes::ShapeAt(const AnimationClip& clip, double time,
-                                                bool in_place) const {
-  std::vector<double> weights = rest_weights_;
+Vector<PosedPrimitive> ClipShapes::ShapeAt(const AnimationClip& clip, double time,
+                                           bool in_place) const {
+  Vector<double> weights = rest_weights_;
   ApplyClipWeights(clip, time, node_, &weights);
-  const std::vector<Eigen::Matrix4d> matrices = JointMatricesAt(clip, time, in_place);
-  std::vector<PosedPrimitive> shape;
+  const Vector<Eigen::Matrix4d> matrices = JointMatricesAt(clip, time, in_place);
+  Vector<PosedPrimitive> shape;
   for (const SkinnedPrimitive& primitive : mesh_.primitives)
     shape.push_back(PosePrimitive(primitive, weights, matrices));
   return shape;

@@ -6,10 +6,10 @@
 #include "animation/skinned_pose.h"
 #include "clips/animation_clip.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <optional>
-#include <vector>
 
 namespace limber::bake {
 
@@ -30,18 +30,18 @@ class ClipShapes {
   bool has_skin() const { return skin_.has_value(); }
 
   // All primitives at that time, mesh space of the bind pose. in_place: as in PackClipOptions.
-  std::vector<PosedPrimitive> ShapeAt(const AnimationClip& clip, double time, bool in_place) const;
+  Vector<PosedPrimitive> ShapeAt(const AnimationClip& clip, double time, bool in_place) const;
 
  private:
   ClipShapes() = default;
-  std::vector<Eigen::Matrix4d> JointMatricesAt(const AnimationClip& clip, double time,
-                                               bool in_place) const;
+  Vector<Eigen::Matrix4d> JointMatricesAt(const AnimationClip& clip, double time,
+                                          bool in_place) const;
 
   const GltfFile* file_ = nullptr;
   int node_ = -1;
   SkinnedMesh mesh_;
-  std::vector<double> rest_weights_;
-  std::vector<NodeTransform> rest_local_;
+  Vector<double> rest_weights_;
+  Vector<NodeTransform> rest_local_;
   std::optional<Skin> skin_;
   Eigen::Matrix4d world_to_mesh_ = Eigen::Matrix4d::Identity();
   Eigen::Vector3d rest_root_ = Eigen::Vector3d::Zero();  // world place of the root joint

@@ -4,6 +4,7 @@
 #include "animation/clip_shapes.h"
 #include "core/out_of_memory.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "gltf_edit/append_targets.h"
 #include "gltf_edit/gltf_patch.h"
 #include "import/file_output.h"
@@ -49,7 +50,7 @@ Result<int> ChooseNode(const GltfFile& file, const AnimationClip& clip, const st
     LIMBER_RETURN_IF_ERROR(CheckDeforms(file, clip, *node));
     return node;
   }
-  std::vector<size_t> candidates = MeshNodes(file);
+  Vector<size_t> candidates = MeshNodes(file);
   std::erase_if(candidates, [&](size_t node) {
     return !CheckDeforms(file, clip, static_cast<int>(node)).ok();
   });
@@ -116,9 +117,9 @@ bool Loops(const ClipShapes& shapes, const AnimationClip& clip, bool in_place) {
   return farthest <= kSame * Diagonal(shapes.mesh());
 }
 
-Result<std::vector<double>> ChooseMoments(const GltfFile& file, const SkinnedMesh& mesh,
-                                          const AnimationClip& clip, const PackClipOptions& options,
-                                          bool loops) {
+Result<Vector<double>> ChooseMoments(const GltfFile& file, const SkinnedMesh& mesh,
+                                     const AnimationClip& clip, const PackClipOptions& options,
+                                     bool loops) {
   const auto count = static_cast<size_t>(std::max(0, options.count));
   LIMBER_RETURN_IF_ERROR(CheckLimits(file, mesh, std::max(count, options.times.size())));
   if (options.count > 0) return SpreadMoments(clip, options.count, loops);
@@ -126,7 +127,7 @@ Result<std::vector<double>> ChooseMoments(const GltfFile& file, const SkinnedMes
 }
 
 // posed - rest as single precision; empty where there are no rows. False: not finite.
-bool Displacements(const PointMatrix& posed, const PointMatrix& rest, std::vector<float>* numbers) {
+bool Displacements(const PointMatrix& posed, const PointMatrix& rest, Vector<float>* numbers) {
   for (Eigen::Index i = 0; i < posed.size(); ++i) {
     const auto number = static_cast<float>(posed.data()[i] - rest.data()[i]);
     if (!std::isfinite(number)) return false;
@@ -138,7 +139,7 @@ bool Displacements(const PointMatrix& posed, const PointMatrix& rest, std::vecto
 Result<NewTarget> MakeTarget(const ClipShapes& shapes, const AnimationClip& clip, double time,
                              bool in_place) {
   NewTarget target{MomentName(clip, time), {}};
-  const std::vector<PosedPrimitive> posed = shapes.ShapeAt(clip, time, in_place);
+  const Vector<PosedPrimitive> posed = shapes.ShapeAt(clip, time, in_place);
   for (size_t p = 0; p < posed.size(); ++p) {
     const SkinnedPrimitive& rest = shapes.mesh().primitives[p];
     TargetOffsets offsets;
@@ -155,7 +156,7 @@ Result<NewTarget> MakeTarget(const ClipShapes& shapes, const AnimationClip& clip
 }
 
 // A moment at rest is no example beside the base, which is one itself.
-void WarnOfRest(const NewTarget& target, double diagonal, std::vector<std::string>* warnings) {
+void WarnOfRest(const NewTarget& target, double diagonal, Vector<std::string>* warnings) {
   constexpr double kStill = 1e-5;
   double largest = 0;
   for (const TargetOffsets& offsets : target.primitives) {
@@ -177,7 +178,7 @@ Status CheckOutputName(const std::filesystem::path& out) {
 // What PackClip adds to the file.
 struct ClipTargets {
   int mesh = -1;
-  std::vector<NewTarget> targets;
+  Vector<NewTarget> targets;
   PackClipSummary summary;
 };
 
@@ -186,7 +187,7 @@ Result<ClipTargets> MakeTargets(const GltfFile& file, const ClipShapes& shapes,
   ClipTargets result;
   PackClipSummary& summary = result.summary;
   summary.loops = Loops(shapes, clip, options.in_place);
-  const Result<std::vector<double>> moments =
+  const Result<Vector<double>> moments =
       ChooseMoments(file, shapes.mesh(), clip, options, summary.loops);
   if (!moments.ok()) return moments.status();
   summary.warnings = shapes.mesh().warnings;
@@ -241,7 +242,7 @@ Result<PackClipSummary> PackClip(const std::filesystem::path& source,
     if (!patch.ok()) return patch.status();
     LIMBER_RETURN_IF_ERROR(
         AppendTargets(*file, added->mesh, added->targets, &*patch).WithContext(file->name()));
-    Result<std::vector<uint8_t>> bytes = patch->Finish(out.extension() == ".glb");
+    Result<Vector<uint8_t>> bytes = patch->Finish(out.extension() == ".glb");
     if (!bytes.ok()) return bytes.status().WithContext(out.string());
     LIMBER_RETURN_IF_ERROR(WriteFileAtomically(out, *bytes));
     return std::move(added->summary);

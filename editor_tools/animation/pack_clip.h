@@ -3,19 +3,19 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <cstddef>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
 struct PackClipOptions {
-  std::string clip;           // name or number; empty: the file's only one
-  std::string node;           // the mesh node's name or number; empty: the only one that it deforms
-  std::vector<double> times;  // seconds; or
-  int count = 0;              // that many moments spread over the clip (clip_moments.h)
+  std::string clip;      // name or number; empty: the file's only one
+  std::string node;      // the mesh node's name or number; empty: the only one that it deforms
+  Vector<double> times;  // seconds; or
+  int count = 0;         // that many moments spread over the clip (clip_moments.h)
   // Takes the horizontal travel of the skeleton's root joint (world x and z, against the pose
   // without animation) out of the shapes.
   bool in_place = false;
@@ -28,8 +28,8 @@ struct PackClipSummary {
   std::string node;
   size_t num_vertices = 0;
   size_t num_old_targets = 0;
-  std::vector<std::string> shape_names;  // one for each moment
-  std::vector<std::string> warnings;
+  Vector<std::string> shape_names;  // one for each moment
+  Vector<std::string> warnings;
 };
 
 // Each moment becomes a morph target: the mesh as it is drawn then - morph targets by their

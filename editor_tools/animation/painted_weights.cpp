@@ -2,6 +2,7 @@
 
 #include "animation/skin.h"
 #include "animation/skinned_mesh.h"
+#include "core/vector.h"
 #include "load/gltf_mesh.h"
 
 #include <Eigen/LU>
@@ -79,7 +80,7 @@ std::string JointName(const GltfFile& file, int node) {
   return name.empty() ? "joint_" + std::to_string(node) : name;
 }
 
-std::string IdleJoints(const std::vector<std::string>& names) {
+std::string IdleJoints(const Vector<std::string>& names) {
   constexpr size_t kMostNamed = 8;
   std::string line =
       std::to_string(names.size()) +
@@ -108,8 +109,8 @@ Result<PaintedWeights> WeightsOfSkin(const GltfFile& file, const RawCharacter& r
 
   PaintedWeights painted;
   painted.warnings = std::move(mesh->warnings);
-  std::vector<Eigen::Index> columns;
-  std::vector<std::string> idle;
+  Vector<Eigen::Index> columns;
+  Vector<std::string> idle;
   JointPlacer placer(raw);
   for (size_t j = 0; j < skin->joints.size(); ++j) {
     const auto column = static_cast<Eigen::Index>(j);
@@ -147,7 +148,7 @@ Result<PaintedWeights> WeightsOfColors(const GltfFile& file, const RawCharacter&
   for (size_t first = 0; first < handles.size(); first += kChannels) {
     const std::string attribute = "COLOR_" + std::to_string(first / kChannels);
     size_t channels = kChannels;
-    Result<std::vector<float>> colors =
+    Result<Vector<float>> colors =
         ReadMeshAttribute(file, *mesh, attribute, static_cast<int>(channels));
     if (!colors.ok() && colors.status().code() != StatusCode::kNotFound &&
         handles.size() < first + kChannels) {

@@ -2,19 +2,19 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/raw_character.h"
 #include "load/gltf_file.h"
 
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
 struct PaintedWeights {
-  std::vector<HandleSpec> handles;  // P
-  Eigen::MatrixXd weights;          // D x P, draw vertices of the character; not normalised
-  std::vector<std::string> warnings;
+  Vector<HandleSpec> handles;  // P
+  Eigen::MatrixXd weights;     // D x P, draw vertices of the character; not normalised
+  Vector<std::string> warnings;
 };
 
 // Those of the skin on the character's node (JOINTS_n and WEIGHTS_n): each joint is a handle of its

@@ -2,6 +2,7 @@
 
 #include "clips/node_transforms.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "import/mesh_node.h"
 #include "load/gltf_accessor.h"
 #include "load/json_text.h"
@@ -30,7 +31,7 @@ size_t Count(const Json& root, const char* section) {
 Status ReadJoints(const Json& root, const Json& json, const std::string& place, Skin* skin) {
   const size_t num_nodes = Count(root, "nodes");
   if (Count(json, "joints") == 0) return Malformed(place, "it has no joints");
-  std::vector<bool> seen(num_nodes, false);
+  Vector<bool> seen(num_nodes, false);
   for (const Json& joint : json["joints"]) {
     if (!joint.is_number_unsigned() || joint.get<uint64_t>() >= num_nodes) {
       return Malformed(place + ".joints", "it holds " + ShowJson(joint) + ", the file has " +
@@ -57,7 +58,7 @@ Status ReadInverseBind(const GltfFile& file, const Json& json, const std::string
   if (!it->is_number_unsigned() || it->get<uint64_t>() >= Count(file.json(), "accessors")) {
     return Malformed(matrices_place, "it is " + ShowJson(*it) + ", and no accessor of the file");
   }
-  const Result<std::vector<float>> numbers = ReadFloats(file, {it->get<int>(), 16, matrices_place});
+  const Result<Vector<float>> numbers = ReadFloats(file, {it->get<int>(), 16, matrices_place});
   if (!numbers.ok()) return numbers.status();
   if (numbers->size() / 16 < skin->joints.size()) {
     return Malformed(matrices_place, std::to_string(numbers->size() / 16) + " matrices for " +
@@ -75,9 +76,9 @@ Status ReadInverseBind(const GltfFile& file, const Json& json, const std::string
 }
 
 // The place in the list of the first joint, or of the topmost joint above it.
-size_t FindRoot(const GltfFile& file, const std::vector<int>& joints) {
-  const std::vector<int> parent = ParentNodes(file);
-  std::vector<bool> is_joint(parent.size(), false);
+size_t FindRoot(const GltfFile& file, const Vector<int>& joints) {
+  const Vector<int> parent = ParentNodes(file);
+  Vector<bool> is_joint(parent.size(), false);
   for (const int joint : joints)
     is_joint[static_cast<size_t>(joint)] = true;
   // Climbs from the first joint to the topmost one above it.
@@ -123,9 +124,9 @@ Result<Eigen::Matrix4d> WorldToMesh(const GltfFile& file, const Skin& skin,
   return Eigen::Matrix4d(at_bind.inverse());
 }
 
-std::vector<Eigen::Matrix4d> JointMatrices(const Skin& skin, std::span<const Eigen::Matrix4d> world,
-                                           const Eigen::Matrix4d& world_to_mesh) {
-  std::vector<Eigen::Matrix4d> matrices;
+Vector<Eigen::Matrix4d> JointMatrices(const Skin& skin, std::span<const Eigen::Matrix4d> world,
+                                      const Eigen::Matrix4d& world_to_mesh) {
+  Vector<Eigen::Matrix4d> matrices;
   for (size_t j = 0; j < skin.joints.size(); ++j) {
     const Eigen::Matrix4d& joint = world[static_cast<size_t>(skin.joints[j])];
     matrices.emplace_back(world_to_mesh * joint * skin.inverse_bind[j]);

@@ -2,19 +2,19 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <Eigen/Core>
 
 #include <span>
-#include <vector>
 
 namespace limber::bake {
 
 struct Skin {
-  std::vector<int> joints;                    // J: nodes
-  std::vector<Eigen::Matrix4d> inverse_bind;  // J: mesh space at bind -> joint
-  size_t root = 0;                            // the topmost joint above the first one, or that
+  Vector<int> joints;                    // J: nodes
+  Vector<Eigen::Matrix4d> inverse_bind;  // J: mesh space at bind -> joint
+  size_t root = 0;                       // the topmost joint above the first one, or that
 };
 
 // Errors, without the file's name: kMalformed (no such skin, joints or matrices that are not in the
@@ -30,7 +30,7 @@ Result<Eigen::Matrix4d> WorldToMesh(const GltfFile& file, const Skin& skin,
                                     std::span<const Eigen::Matrix4d> rest_world);
 
 // Of each joint: mesh space at bind -> mesh space, posed. world: node -> world at the moment.
-std::vector<Eigen::Matrix4d> JointMatrices(const Skin& skin, std::span<const Eigen::Matrix4d> world,
-                                           const Eigen::Matrix4d& world_to_mesh);
+Vector<Eigen::Matrix4d> JointMatrices(const Skin& skin, std::span<const Eigen::Matrix4d> world,
+                                      const Eigen::Matrix4d& world_to_mesh);
 
 }  // namespace limber::bake

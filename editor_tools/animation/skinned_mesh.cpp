@@ -1,5 +1,6 @@
 #include "animation/skinned_mesh.h"
 
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 
 #include <nlohmann/json.hpp>
@@ -98,7 +99,7 @@ class SkinnedMeshReader {
     AccessorRequest request{accessor, 3, place_ + name};
     request.expected_count = expected;
     request.may_be_implicit = expected >= 0;
-    const Result<std::vector<float>> numbers = ReadFloats(file_, request);
+    const Result<Vector<float>> numbers = ReadFloats(file_, request);
     if (!numbers.ok()) return numbers.status();
     using FloatPoints = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
     return PointMatrix(Eigen::Map<const FloatPoints>(
@@ -157,8 +158,8 @@ class SkinnedMeshReader {
     return {};
   }
 
-  Result<std::vector<float>> ReadSet(const Json& attributes, const char* kind, size_t set,
-                                     size_t num_vertices) const {
+  Result<Vector<float>> ReadSet(const Json& attributes, const char* kind, size_t set,
+                                size_t num_vertices) const {
     const std::string name = kind + std::to_string(set);
     AccessorRequest request{FindAccessor(attributes, name), 4, place_ + "." + name};
     request.expected_count = static_cast<int64_t>(num_vertices);
@@ -172,9 +173,9 @@ class SkinnedMeshReader {
 
   Status ReadInfluenceSet(const Json& attributes, size_t set, SkinnedPrimitive* primitive) const {
     const size_t num_vertices = primitive->num_vertices();
-    const Result<std::vector<float>> joints = ReadSet(attributes, "JOINTS_", set, num_vertices);
+    const Result<Vector<float>> joints = ReadSet(attributes, "JOINTS_", set, num_vertices);
     if (!joints.ok()) return joints.status();
-    const Result<std::vector<float>> weights = ReadSet(attributes, "WEIGHTS_", set, num_vertices);
+    const Result<Vector<float>> weights = ReadSet(attributes, "WEIGHTS_", set, num_vertices);
     if (!weights.ok()) return weights.status();
     for (size_t i = 0; i < kPerSet * num_vertices; ++i) {
       const size_t vertex = i / kPerSet;

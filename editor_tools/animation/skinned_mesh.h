@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/raw_character.h"
 #include "load/gltf_file.h"
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -16,21 +16,21 @@ struct MorphOffsets {
 };
 
 struct SkinnedPrimitive {
-  PointMatrix positions;              // V x 3, mesh space of the bind pose
-  PointMatrix normals;                // V x 3 as stored, or no rows
-  std::vector<MorphOffsets> targets;  // T, or none at all
+  PointMatrix positions;         // V x 3, mesh space of the bind pose
+  PointMatrix normals;           // V x 3 as stored, or no rows
+  Vector<MorphOffsets> targets;  // T, or none at all
   // Of vertex v the entries I * v ... I * v + I - 1; both empty without a skin.
-  size_t num_influences = 0;          // I
-  std::vector<uint32_t> joints;       // places in the skin's list of joints
-  std::vector<double> joint_weights;  // each vertex's sum to one
+  size_t num_influences = 0;     // I
+  Vector<uint32_t> joints;       // places in the skin's list of joints
+  Vector<double> joint_weights;  // each vertex's sum to one
 
   size_t num_vertices() const { return static_cast<size_t>(positions.rows()); }
 };
 
 struct SkinnedMesh {
-  size_t num_targets = 0;                    // T
-  std::vector<SkinnedPrimitive> primitives;  // all of the glTF's, in its order
-  std::vector<std::string> warnings;         // one line each, for people
+  size_t num_targets = 0;               // T
+  Vector<SkinnedPrimitive> primitives;  // all of the glTF's, in its order
+  Vector<std::string> warnings;         // one line each, for people
 
   size_t num_vertices() const;
 };

@@ -11,6 +11,7 @@
 #include "bake/rig_space.h"
 #include "bake/small_parts.h"
 #include "bake/weight_rows.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "rig/rest_frames.h"
@@ -30,7 +31,7 @@ constexpr double kWeldTolerance = 1e-6;
 // Names the stage that runs, measures it, and asks whether to go on.
 class StageClock {
  public:
-  StageClock(const ProgressCallback& progress, std::vector<BakeTiming>* timings)
+  StageClock(const ProgressCallback& progress, Vector<BakeTiming>* timings)
       : progress_(progress),
         timings_(timings) {}
 
@@ -61,7 +62,7 @@ class StageClock {
 
  private:
   const ProgressCallback& progress_;
-  std::vector<BakeTiming>* timings_;
+  Vector<BakeTiming>* timings_;
   const char* stage_ = nullptr;
   double from_ = 0, to_ = 0;
   std::chrono::steady_clock::time_point begin_;
@@ -98,7 +99,7 @@ Vec3 PointOf(const geometry::PointMatrix& points, int vertex) {
           static_cast<float>(points(vertex, 2))};
 }
 
-void FillHandles(const geometry::SolveMesh& mesh, const std::vector<ResolvedHandle>& resolved,
+void FillHandles(const geometry::SolveMesh& mesh, const Vector<ResolvedHandle>& resolved,
                  RigTables* tables) {
   for (const ResolvedHandle& handle : resolved) {
     RigHandle out;
@@ -142,7 +143,7 @@ void FillSkinMesh(const RawCharacter& raw, const geometry::SolveMesh& mesh,
   CompleteRestFrames(space.basis, skin);
 }
 
-bool HasStiffness(const RawCharacter& raw, const std::vector<ResolvedHandle>& handles) {
+bool HasStiffness(const RawCharacter& raw, const Vector<ResolvedHandle>& handles) {
   return !raw.stiffness.empty() ||
          std::any_of(handles.begin(), handles.end(),
                      [](const ResolvedHandle& handle) { return handle.spec.stiffness != 1; });
@@ -152,7 +153,7 @@ bool HasStiffness(const RawCharacter& raw, const std::vector<ResolvedHandle>& ha
 // proportions: a vertex half way between 1 and 100 gets 10. Draw vertices that were welded count
 // alike. V, in logarithms until the end.
 Eigen::VectorXd VertexStiffness(const RawCharacter& raw, const geometry::SolveMesh& mesh,
-                                const std::vector<ResolvedHandle>& handles,
+                                const Vector<ResolvedHandle>& handles,
                                 const Eigen::MatrixXd& weights) {
   Eigen::VectorXd of_handles(weights.cols());
   for (Eigen::Index h = 0; h < weights.cols(); ++h)
@@ -213,13 +214,13 @@ class BakeRun {
                    raw_.name.c_str());
     }
     geometry::ConnectComponents(&mesh_);
-    Result<std::vector<ResolvedHandle>> resolved = ResolveHandles(raw_, mesh_, handles);
+    Result<Vector<ResolvedHandle>> resolved = ResolveHandles(raw_, mesh_, handles);
     if (!resolved.ok()) return resolved.status();
     resolved_ = std::move(resolved).value();
     for (const ResolvedHandle& handle : resolved_)
       handle_vertices_.push_back(handle.vertex);
     tables().space = FitRigSpace(mesh_.shapes, &tables().dimension);
-    tables().shape_names = raw_.shape_names;
+    tables().shape_names.assign(raw_.shape_names.begin(), raw_.shape_names.end());
     tables().has_rotations = options_.rotations;
     FillHandles(mesh_, resolved_, &tables());
     for (const ResolvedHandle& handle : resolved_)
@@ -270,7 +271,7 @@ class BakeRun {
 
   Status FindGroups() {
     LIMBER_RETURN_IF_ERROR(Begin("edge groups", 0.65, 0.7));
-    std::vector<int>& groups = baked_.vertex_groups;
+    Vector<int>& groups = baked_.vertex_groups;
     groups = ClusterVertices(weights_, tables().num_groups, &num_groups_, options_.num_threads);
     ConnectGroups(mesh_, weights_, num_groups_, &groups);
     edges_ = BuildGroupEdges(mesh_, groups);
@@ -284,10 +285,10 @@ class BakeRun {
   BakedCharacter baked_;
   StageClock clock_;
   geometry::SolveMesh mesh_;
-  std::vector<ResolvedHandle> resolved_;
-  std::vector<int> handle_vertices_;  // [H] solve vertices
-  Eigen::MatrixXd weights_;           // V x H
-  std::vector<geometry::GroupEdge> edges_;
+  Vector<ResolvedHandle> resolved_;
+  Vector<int> handle_vertices_;  // [H] solve vertices
+  Eigen::MatrixXd weights_;      // V x H
+  Vector<geometry::GroupEdge> edges_;
   int num_groups_ = 0;
 };
 

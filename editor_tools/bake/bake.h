@@ -8,6 +8,7 @@
 #include "bake/rig_cost.h"
 #include "bake/skinning_weights.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/raw_character.h"
 #include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
@@ -15,7 +16,6 @@
 
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -43,13 +43,13 @@ struct BakedCharacter {
   RigTables tables;
   LocalGroupFactors local_factors;  // two of the tables as the file has them; may be empty
   SkinMesh mesh;
-  std::vector<double> handle_stiffness;  // [H], for the handles' nodes
-  std::vector<int> vertex_groups;        // [V] edge group of each solve vertex, for tools
+  Vector<double> handle_stiffness;  // [H], for the handles' nodes
+  Vector<int> vertex_groups;        // [V] edge group of each solve vertex, for tools
   WeightsReport weights;
   InfluenceReport influences;
   RigCost cost;
-  std::vector<BakeTiming> timings;
-  std::vector<std::string> warnings;
+  Vector<BakeTiming> timings;
+  Vector<std::string> warnings;
 };
 
 Result<BakedCharacter> Bake(const RawCharacter& raw, std::span<const HandleSpec> handles,

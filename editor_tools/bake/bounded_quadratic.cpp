@@ -1,5 +1,7 @@
 #include "bake/bounded_quadratic.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -200,8 +202,8 @@ class Solver {
   BoundedQuadraticReport report_;
 };
 
-std::vector<int> AllBut(const std::vector<int>& variables, Index n) {
-  std::vector<int> others;
+Vector<int> AllBut(const Vector<int>& variables, Index n) {
+  Vector<int> others;
   auto next = variables.begin();
   for (int i = 0; i < n; ++i) {
     const bool is_variable = next != variables.end() && *next == i;
@@ -212,12 +214,12 @@ std::vector<int> AllBut(const std::vector<int>& variables, Index n) {
 }
 
 // Some rows and columns of Q, both ascending.
-SparseMatrix<double> PartOf(const SparseMatrix<double>& Q, const std::vector<int>& rows,
-                            const std::vector<int>& columns) {
-  std::vector<int> place(static_cast<size_t>(Q.rows()), -1);
+SparseMatrix<double> PartOf(const SparseMatrix<double>& Q, const Vector<int>& rows,
+                            const Vector<int>& columns) {
+  Vector<int> place(static_cast<size_t>(Q.rows()), -1);
   for (size_t i = 0; i < rows.size(); ++i)
     place[static_cast<size_t>(rows[i])] = static_cast<int>(i);
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   for (size_t column = 0; column < columns.size(); ++column) {
     for (SparseMatrix<double>::InnerIterator it(Q, columns[column]); it; ++it) {
       const int row = place[static_cast<size_t>(it.row())];
@@ -230,8 +232,8 @@ SparseMatrix<double> PartOf(const SparseMatrix<double>& Q, const std::vector<int
 }
 
 // [variables]: their places among each other, in the order of all.
-std::vector<int> OrderAmong(const std::vector<int>& variables, const std::vector<int>& order) {
-  std::vector<int> sorted(variables.size()), places(variables.size());
+Vector<int> OrderAmong(const Vector<int>& variables, const Vector<int>& order) {
+  Vector<int> sorted(variables.size()), places(variables.size());
   std::iota(sorted.begin(), sorted.end(), 0);
   const auto place_of = [&](int i) {
     return order[static_cast<size_t>(variables[static_cast<size_t>(i)])];
@@ -252,8 +254,8 @@ BoundedQuadratic::BoundedQuadratic(const SparseMatrix<double>& Q)
   std::iota(variables_.begin(), variables_.end(), 0);
 }
 
-BoundedQuadratic::BoundedQuadratic(const SparseMatrix<double>& Q, const std::vector<int>& order,
-                                   std::vector<int> variables)
+BoundedQuadratic::BoundedQuadratic(const SparseMatrix<double>& Q, const Vector<int>& order,
+                                   Vector<int> variables)
     : variables_(std::move(variables)),
       held_(AllBut(variables_, Q.cols())),
       Q_(PartOf(Q, variables_, variables_)),

@@ -1,13 +1,13 @@
 // Convex quadratic programs with bounds 0..1, to full accuracy: the engine of the skinning weights.
 #pragma once
 
+#include "core/vector.h"
 #include "linear/supernodal_cholesky.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <functional>
-#include <vector>
 
 namespace limber::bake {
 
@@ -33,8 +33,8 @@ class BoundedQuadratic {
   // The others of the n variables are held at zero, and cost nothing; it is up to the caller to
   // know that zero is where their optimum lies, and to the report to say whether it does.
   // variables: ascending. order: [n], the place of each column of Q in a good order of elimination.
-  BoundedQuadratic(const Eigen::SparseMatrix<double>& Q, const std::vector<int>& order,
-                   std::vector<int> variables);
+  BoundedQuadratic(const Eigen::SparseMatrix<double>& Q, const Vector<int>& order,
+                   Vector<int> variables);
 
   // c, x: [n]. `keep_going` is asked before each iteration; false stops with converged == false.
   // `x` holds the last iterate in any case, inside the bounds.
@@ -42,7 +42,7 @@ class BoundedQuadratic {
                                Eigen::VectorXd* x) const;
 
  private:
-  std::vector<int> variables_, held_;
+  Vector<int> variables_, held_;
   Eigen::SparseMatrix<double> Q_;      // variables x variables
   Eigen::SparseMatrix<double> pulls_;  // held x variables
   linear::SupernodalCholesky cholesky_;

@@ -1,5 +1,7 @@
 #include "bake/coarse_surface.h"
 
+#include "core/vector.h"
+
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -14,8 +16,8 @@ constexpr double kSmoothing = 2.0 / 3;  // of one step; below one, so that P has
 
 // [n]: aggregates of a vertex with all its neighbours in A where none of them is taken; the others
 // join the neighbour that they hang on most.
-std::vector<int> Aggregate(const SparseMatrix<double>& A, int* count) {
-  std::vector<int> aggregates(static_cast<size_t>(A.cols()), -1);
+Vector<int> Aggregate(const SparseMatrix<double>& A, int* count) {
+  Vector<int> aggregates(static_cast<size_t>(A.cols()), -1);
   *count = 0;
   for (int vertex = 0; vertex < A.cols(); ++vertex) {
     bool is_free = aggregates[static_cast<size_t>(vertex)] < 0;
@@ -26,7 +28,7 @@ std::vector<int> Aggregate(const SparseMatrix<double>& A, int* count) {
       aggregates[static_cast<size_t>(it.row())] = *count;
     aggregates[static_cast<size_t>(vertex)] = (*count)++;
   }
-  const std::vector<int> whole = aggregates;
+  const Vector<int> whole = aggregates;
   for (int vertex = 0; vertex < A.cols(); ++vertex) {
     int& aggregate = aggregates[static_cast<size_t>(vertex)];
     if (aggregate >= 0) continue;
@@ -42,9 +44,9 @@ std::vector<int> Aggregate(const SparseMatrix<double>& A, int* count) {
 }
 
 // V x aggregates: one where the vertex belongs.
-SparseMatrix<double> Membership(const std::vector<int>& aggregates, int count) {
+SparseMatrix<double> Membership(const Vector<int>& aggregates, int count) {
   SparseMatrix<double> P(static_cast<Eigen::Index>(aggregates.size()), count);
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   for (size_t vertex = 0; vertex < aggregates.size(); ++vertex)
     entries.emplace_back(static_cast<int>(vertex), aggregates[vertex], 1);
   P.setFromTriplets(entries.begin(), entries.end());
@@ -60,12 +62,12 @@ SparseMatrix<double> Coarser(const SparseMatrix<double>& A, const SparseMatrix<d
 
 CoarseSurface Coarsen(const geometry::RobustLaplacian& surface, int smallest) {
   const SparseMatrix<double>& L = surface.laplacian;
-  CoarseSurface coarse{std::vector<int>(static_cast<size_t>(L.cols())), L, L, surface.areas};
+  CoarseSurface coarse{Vector<int>(static_cast<size_t>(L.cols())), L, L, surface.areas};
   std::iota(coarse.aggregate_of.begin(), coarse.aggregate_of.end(), 0);
   int count = static_cast<int>(L.cols());
   while (true) {
     int fewer = 0;
-    const std::vector<int> aggregates = Aggregate(coarse.touching, &fewer);
+    const Vector<int> aggregates = Aggregate(coarse.touching, &fewer);
     if (fewer < smallest || fewer == count) break;
     coarse.touching = Coarser(coarse.touching, Membership(aggregates, fewer));
     for (int& aggregate : coarse.aggregate_of)

@@ -1,5 +1,6 @@
 #include "bake/edge_groups.h"
 
+#include "core/vector.h"
 #include "geometry/cotangent.h"
 #include "threads/parallel_for.h"
 
@@ -53,7 +54,7 @@ int FindNearest(const double* point, const Eigen::MatrixXd& centres) {
 
 // Puts each point, a column, to its nearest centre. Returns whether any changed its group.
 bool Assign(const Eigen::MatrixXd& points, const Eigen::MatrixXd& centres, int num_threads,
-            std::vector<int>* group) {
+            Vector<int>* group) {
   constexpr int kPointsAtOnce = 4096;
   const auto num_points = static_cast<int>(points.cols());
   std::atomic<bool> changed = false;
@@ -71,7 +72,7 @@ bool Assign(const Eigen::MatrixXd& points, const Eigen::MatrixXd& centres, int n
 }
 
 // Means of the groups; groups without a point keep their centre.
-void MoveCentres(const Eigen::MatrixXd& points, const std::vector<int>& group,
+void MoveCentres(const Eigen::MatrixXd& points, const Vector<int>& group,
                  Eigen::MatrixXd* centres) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(centres->rows(), centres->cols());
   Eigen::VectorXd counts = Eigen::VectorXd::Zero(centres->cols());
@@ -85,8 +86,8 @@ void MoveCentres(const Eigen::MatrixXd& points, const std::vector<int>& group,
 }
 
 // Renumbers the groups that are in use in the order of their first vertex; returns how many.
-int CompactGroups(std::vector<int>* group, int num_groups) {
-  std::vector<int> number(static_cast<size_t>(num_groups), -1);
+int CompactGroups(Vector<int>* group, int num_groups) {
+  Vector<int> number(static_cast<size_t>(num_groups), -1);
   int used = 0;
   for (int& g : *group) {
     if (number[g] < 0) number[g] = used++;
@@ -100,7 +101,7 @@ bool Before(const GroupEdge& a, const GroupEdge& b) {
 }
 
 // Sums entries of one (group, edge) and clamps the sums to a small positive weight.
-void MergeAndClamp(std::vector<GroupEdge>* edges) {
+void MergeAndClamp(Vector<GroupEdge>* edges) {
   std::stable_sort(edges->begin(), edges->end(), Before);
   size_t count = 0;
   double sum = 0;
@@ -121,9 +122,9 @@ void MergeAndClamp(std::vector<GroupEdge>* edges) {
 
 }  // namespace
 
-std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups,
-                                 int num_threads) {
-  std::vector<int> group(static_cast<size_t>(weights.rows()), 0);
+Vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int* num_groups,
+                            int num_threads) {
+  Vector<int> group(static_cast<size_t>(weights.rows()), 0);
   *num_groups = weights.rows() > 0 ? 1 : 0;
   if (weights.rows() == 0 || wanted <= 1) return group;
   wanted = static_cast<int>(std::min<Eigen::Index>(wanted, weights.rows()));
@@ -138,10 +139,10 @@ std::vector<int> ClusterVertices(const Eigen::MatrixXd& weights, int wanted, int
   return group;
 }
 
-std::vector<GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
-                                       const std::vector<int>& vertex_group) {
+Vector<GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
+                                  const Vector<int>& vertex_group) {
   const auto cotangents = geometry::CornerCotangents(mesh);
-  std::vector<GroupEdge> edges;
+  Vector<GroupEdge> edges;
   edges.reserve(9 * mesh.triangles.size() + 2 * mesh.bridges.size());
   const auto add = [&edges](int group, int a, int b, double weight) {
     edges.push_back({group, std::min(a, b), std::max(a, b), weight});
@@ -163,7 +164,7 @@ std::vector<GroupEdge> BuildGroupEdges(const geometry::SolveMesh& mesh,
   return edges;
 }
 
-void ScaleEdges(const Eigen::VectorXd& vertex_stiffness, std::vector<GroupEdge>* edges) {
+void ScaleEdges(const Eigen::VectorXd& vertex_stiffness, Vector<GroupEdge>* edges) {
   for (GroupEdge& edge : *edges)
     edge.weight *= std::sqrt(vertex_stiffness[edge.i] * vertex_stiffness[edge.j]);
 }

@@ -1,5 +1,7 @@
 #include "bake/example_review.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -81,7 +83,7 @@ class Review {
         may_turn_(may_turn),
         tolerance_(kSameShape * Diagonal(shapes[0])) {}
 
-  std::vector<std::string> Run() {
+  Vector<std::string> Run() {
     FindCopies();
     FindMixtures();
     return std::move(lines_);
@@ -162,15 +164,15 @@ class Review {
   std::span<const std::string> names_;
   bool may_turn_;
   double tolerance_;
-  std::vector<VectorXd> radii_;
-  std::vector<size_t> kept_;
-  std::vector<std::string> lines_;
+  Vector<VectorXd> radii_;
+  Vector<size_t> kept_;
+  Vector<std::string> lines_;
 };
 
 }  // namespace
 
-std::vector<std::string> ReviewExamples(std::span<const PointMatrix> shapes,
-                                        std::span<const std::string> names, bool rotations) {
+Vector<std::string> ReviewExamples(std::span<const PointMatrix> shapes,
+                                   std::span<const std::string> names, bool rotations) {
   if (shapes.size() < 2 || shapes[0].rows() == 0) return {};
   return Review(shapes, names, rotations).Run();
 }

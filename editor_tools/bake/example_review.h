@@ -1,11 +1,11 @@
 // Example shapes that cost time and memory and say nothing new.
 #pragma once
 
+#include "core/vector.h"
 #include "import/raw_character.h"
 
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -15,8 +15,8 @@ namespace limber::bake {
 //   - a mix of others, sum b_t x_t with b_t >= 0 and sum b_t = 1, which blending reaches anyway.
 // Nearly is enough: to kSameShape of the size at every vertex. Of two that are the same the later
 // one is named. shapes: S of V x 3, solve or draw vertices; names: S.
-std::vector<std::string> ReviewExamples(std::span<const PointMatrix> shapes,
-                                        std::span<const std::string> names, bool rotations);
+Vector<std::string> ReviewExamples(std::span<const PointMatrix> shapes,
+                                   std::span<const std::string> names, bool rotations);
 
 inline constexpr double kSameShape = 1e-4;  // of the first shape's diagonal
 

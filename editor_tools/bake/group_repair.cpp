@@ -1,5 +1,6 @@
 #include "bake/group_repair.h"
 
+#include "core/vector.h"
 #include "geometry/union_find.h"
 
 #include <algorithm>
@@ -32,7 +33,7 @@ struct Piece {
 class Repair {
  public:
   Repair(const geometry::SolveMesh& mesh, const Eigen::MatrixXd& weights, int num_groups,
-         std::vector<int>* vertex_group)
+         Vector<int>* vertex_group)
       : mesh_(mesh),
         weights_(weights),
         group_(*vertex_group),
@@ -74,7 +75,7 @@ class Repair {
   }
 
   void KeepTheLargest() {
-    std::vector<int> largest(group_sizes_.size(), kNone);
+    Vector<int> largest(group_sizes_.size(), kNone);
     for (size_t p = 0; p < pieces_.size(); ++p) {
       int& best = largest[static_cast<size_t>(pieces_[p].group)];
       if (best == kNone || pieces_[p].size > pieces_[static_cast<size_t>(best)].size)
@@ -102,7 +103,7 @@ class Repair {
   // Every loose piece that touches one that stays joins it; then that one stays as well. A piece
   // among loose ones waits for the next round. False: nothing was loose.
   bool MoveARound(int* moved) {
-    std::vector<int> choice(pieces_.size(), kNone);
+    Vector<int> choice(pieces_.size(), kNone);
     const auto offer = [&](int from, int to) {
       const Piece& piece = PieceOf(from);
       const Piece& other = PieceOf(to);
@@ -135,17 +136,17 @@ class Repair {
 
   const geometry::SolveMesh& mesh_;
   const Eigen::MatrixXd& weights_;
-  std::vector<int>& group_;
-  std::vector<int> piece_of_;  // [V]
-  std::vector<Piece> pieces_;
+  Vector<int>& group_;
+  Vector<int> piece_of_;  // [V]
+  Vector<Piece> pieces_;
   Eigen::MatrixXd group_sums_;  // G x H: of what stays
-  std::vector<int> group_sizes_;
+  Vector<int> group_sizes_;
 };
 
 }  // namespace
 
 int ConnectGroups(const geometry::SolveMesh& mesh, const Eigen::MatrixXd& weights, int num_groups,
-                  std::vector<int>* vertex_group) {
+                  Vector<int>* vertex_group) {
   return Repair(mesh, weights, num_groups, vertex_group).Run();
 }
 

@@ -1,11 +1,10 @@
 // Edge groups in one piece each.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
-
-#include <vector>
 
 namespace limber::bake {
 
@@ -16,6 +15,6 @@ namespace limber::bake {
 // of groups stay, none becomes empty. Returns how many vertices changed their group.
 // weights: V x H; vertex_group: [V], in [0, num_groups); the mesh is connected (ConnectComponents).
 int ConnectGroups(const geometry::SolveMesh& mesh, const Eigen::MatrixXd& weights, int num_groups,
-                  std::vector<int>* vertex_group);
+                  Vector<int>* vertex_group);
 
 }  // namespace limber::bake

@@ -1,5 +1,7 @@
 #include "bake/group_tensors.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -9,15 +11,15 @@ namespace {
 
 using geometry::GroupEdge;
 
-void AddEdge(int i, int j, double weight, std::vector<Eigen::Triplet<double>>* triplets) {
+void AddEdge(int i, int j, double weight, Vector<Eigen::Triplet<double>>* triplets) {
   triplets->emplace_back(i, i, weight);
   triplets->emplace_back(j, j, weight);
   triplets->emplace_back(i, j, -weight);
   triplets->emplace_back(j, i, -weight);
 }
 
-std::vector<int> VerticesOf(std::span<const GroupEdge> edges) {
-  std::vector<int> vertices;
+Vector<int> VerticesOf(std::span<const GroupEdge> edges) {
+  Vector<int> vertices;
   vertices.reserve(2 * edges.size());
   for (const GroupEdge& edge : edges) {
     vertices.push_back(edge.i);
@@ -28,8 +30,7 @@ std::vector<int> VerticesOf(std::span<const GroupEdge> edges) {
   return vertices;
 }
 
-GroupTensors BuildOne(const std::vector<Eigen::MatrixXd>& shapes,
-                      std::span<const GroupEdge> edges) {
+GroupTensors BuildOne(const Vector<Eigen::MatrixXd>& shapes, std::span<const GroupEdge> edges) {
   const auto num_shapes = static_cast<Eigen::Index>(shapes.size());
   const Eigen::Index k = shapes.front().cols();
   GroupTensors group;
@@ -38,7 +39,7 @@ GroupTensors BuildOne(const std::vector<Eigen::MatrixXd>& shapes,
   group.edge_load = Eigen::MatrixXd::Zero(num_vertices, num_shapes * k);
   const auto num_edges = static_cast<Eigen::Index>(edges.size());
   Eigen::MatrixXd weighted_edges(num_edges, num_shapes * k);  // sqrt(C_g) E_g
-  std::vector<Eigen::Triplet<double>> triplets;
+  Vector<Eigen::Triplet<double>> triplets;
   const auto local = [&group](int vertex) {
     const auto at = std::lower_bound(group.vertices.begin(), group.vertices.end(), vertex);
     return static_cast<int>(at - group.vertices.begin());
@@ -71,9 +72,9 @@ Eigen::MatrixXd GroupTensors::Rows(const Eigen::MatrixXd& matrix) const {
   return rows;
 }
 
-std::vector<GroupTensors> BuildGroupTensors(const std::vector<Eigen::MatrixXd>& shapes,
-                                            const std::vector<GroupEdge>& edges, int num_groups) {
-  std::vector<GroupTensors> groups;
+Vector<GroupTensors> BuildGroupTensors(const Vector<Eigen::MatrixXd>& shapes,
+                                       const Vector<GroupEdge>& edges, int num_groups) {
+  Vector<GroupTensors> groups;
   groups.reserve(static_cast<size_t>(num_groups));
   size_t first = 0;
   for (int g = 0; g < num_groups; ++g) {
@@ -86,8 +87,8 @@ std::vector<GroupTensors> BuildGroupTensors(const std::vector<Eigen::MatrixXd>& 
   return groups;
 }
 
-Eigen::SparseMatrix<double> SumLaplacian(const std::vector<GroupEdge>& edges, int num_vertices) {
-  std::vector<Eigen::Triplet<double>> triplets;
+Eigen::SparseMatrix<double> SumLaplacian(const Vector<GroupEdge>& edges, int num_vertices) {
+  Vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(4 * edges.size());
   for (const GroupEdge& edge : edges)
     AddEdge(edge.i, edge.j, edge.weight, &triplets);

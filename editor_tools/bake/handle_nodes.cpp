@@ -1,5 +1,7 @@
 #include "bake/handle_nodes.h"
 
+#include "core/vector.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -33,7 +35,7 @@ void DescribeNode(const RigHandle& handle, double stiffness, Json* node) {
   if (stiffness != 1) (*node)["extras"][kMark]["stiffness"] = stiffness;
 }
 
-int FindMarkedNode(const Json& nodes, const std::string& name, const std::set<int>& taken) {
+int FindMarkedNode(const Json& nodes, std::string_view name, const std::set<int>& taken) {
   for (size_t n = 0; n < nodes.size(); ++n) {
     if (nodes[n].value("name", "") == name && FindMark(nodes[n]) != nullptr &&
         taken.count(static_cast<int>(n)) == 0) {
@@ -116,8 +118,8 @@ void RetireNodes(const Json& old_rig, const std::set<int>& taken, size_t mesh_no
 
 }  // namespace
 
-void PlaceHandleNodes(const Json& old_rig, int mesh_node, const std::vector<double>& stiffness,
-                      std::vector<RigHandle>* handles, Json* root) {
+void PlaceHandleNodes(const Json& old_rig, int mesh_node, const Vector<double>& stiffness,
+                      Vector<RigHandle>* handles, Json* root) {
   Json& nodes = (*root)["nodes"];
   std::set<int> taken;
   for (RigHandle& handle : *handles) {

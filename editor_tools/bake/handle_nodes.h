@@ -1,11 +1,10 @@
 // The nodes that stand for handles in a baked glTF, so that every tool can animate them.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 
 #include <nlohmann/json_fwd.hpp>
-
-#include <vector>
 
 namespace limber::bake {
 
@@ -15,7 +14,7 @@ namespace limber::bake {
 // for none) and that no handle needs any more are removed where nothing else refers to them, else
 // unmarked. stiffness: [H], that of HandleSpec. root: the glTF's JSON.
 void PlaceHandleNodes(const nlohmann::ordered_json& old_rig, int mesh_node,
-                      const std::vector<double>& stiffness, std::vector<RigHandle>* handles,
+                      const Vector<double>& stiffness, Vector<RigHandle>* handles,
                       nlohmann::ordered_json* root);
 
 }  // namespace limber::bake

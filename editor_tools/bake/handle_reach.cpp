@@ -1,5 +1,6 @@
 #include "bake/handle_reach.h"
 
+#include "core/vector.h"
 #include "geometry/geodesic.h"
 #include "threads/parallel_for.h"
 
@@ -20,11 +21,10 @@ float RoundedUp(double x) {
 
 }  // namespace
 
-std::vector<float> HandleReach(const geometry::SolveMesh& mesh,
-                               std::span<const int> handle_vertices, double scale,
-                               int num_threads) {
+Vector<float> HandleReach(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices,
+                          double scale, int num_threads) {
   const size_t num_handles = handle_vertices.size();
-  std::vector<float> reach(num_handles * num_handles, 0.0f);
+  Vector<float> reach(num_handles * num_handles, 0.0f);
   for (int s = 0; s < mesh.num_shapes(); ++s) {
     const geometry::PointMatrix& points = mesh.shapes[s];
     const geometry::SurfaceDistance surface(mesh, s);

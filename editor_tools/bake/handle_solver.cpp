@@ -1,5 +1,6 @@
 #include "bake/handle_solver.h"
 
+#include "core/vector.h"
 #include "linear/elimination.h"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ HandleSolver::HandleSolver(const QuadraticProblem& problem, const WeightSupports
 
 Status HandleSolver::Run(int num_threads, const ProgressCallback& progress) {
   active_ = std::min(num_threads, static_cast<int>(reports_.size()));
-  std::vector<std::thread> workers;
+  Vector<std::thread> workers;
   workers.reserve(static_cast<size_t>(active_));
   for (int i = active_; i > 0; --i)
     workers.emplace_back([this] { Work(); });
@@ -77,13 +78,13 @@ void HandleSolver::SolveHandle(int h) {
 }
 
 // Those free vertices that the handle may reach, the more the later the attempt.
-std::vector<int> HandleSolver::VariablesOf(int h, int attempt) const {
-  std::vector<int> all(problem_.free_vertices.size()), variables;
+Vector<int> HandleSolver::VariablesOf(int h, int attempt) const {
+  Vector<int> all(problem_.free_vertices.size()), variables;
   std::iota(all.begin(), all.end(), 0);
   if (attempt + 1 == kAttempts) return all;
   const double across = std::sqrt(supports_.num_aggregates());
   const int rings = std::max(kFewestRings, static_cast<int>(std::lround(kFurther * across)));
-  const std::vector<bool> is_near = supports_.Around(h, rings << attempt);
+  const Vector<bool> is_near = supports_.Around(h, rings << attempt);
   std::copy_if(all.begin(), all.end(), std::back_inserter(variables), [&](int i) {
     return is_near[static_cast<size_t>(problem_.free_vertices[static_cast<size_t>(i)])];
   });

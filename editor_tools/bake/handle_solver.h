@@ -6,6 +6,7 @@
 #include "bake/quadratic_problem.h"
 #include "bake/weight_supports.h"
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <Eigen/Core>
 
@@ -13,7 +14,6 @@
 #include <condition_variable>
 #include <mutex>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -30,21 +30,21 @@ class HandleSolver {
 
   const Eigen::MatrixXd& solutions() const { return solutions_; }  // free x H
 
-  const std::vector<BoundedQuadraticReport>& reports() const { return reports_; }
+  const Vector<BoundedQuadraticReport>& reports() const { return reports_; }
 
  private:
   void Work();
   void SolveHandle(int h);
-  std::vector<int> VariablesOf(int h, int attempt) const;
+  Vector<int> VariablesOf(int h, int attempt) const;
   double Fraction() const;
   void Wait(const ProgressCallback& progress);
 
   const QuadraticProblem& problem_;
   const WeightSupports& supports_;
-  std::vector<int> order_;  // of elimination
+  Vector<int> order_;  // of elimination
   Eigen::MatrixXd solutions_;
-  std::vector<BoundedQuadraticReport> reports_;
-  std::vector<std::atomic<int>> iterations_;
+  Vector<BoundedQuadraticReport> reports_;
+  Vector<std::atomic<int>> iterations_;
   std::atomic<int> next_ = 0;
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;

@@ -3,6 +3,7 @@
 #include "bake/quadratic_problem.h"
 #include "bake/skinning_weights.h"
 #include "bake/weight_rows.h"
+#include "core/vector.h"
 #include "geometry/geodesic.h"
 #include "geometry/robust_laplacian.h"
 #include "linear/supernodal_cholesky.h"
@@ -10,7 +11,6 @@
 
 #include <array>
 #include <limits>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 // Of each vertex, the handle at the shortest distance; the first of several.
 struct Nearest {
-  std::vector<int> handle;
+  Vector<int> handle;
   VectorXd distance;
 };
 
@@ -29,13 +29,13 @@ Nearest FindNearest(const geometry::SolveMesh& mesh, std::span<const int> handle
                     int num_threads) {
   const geometry::EdgeGraph graph(mesh);
   const auto num_handles = static_cast<int>(handle_vertices.size());
-  std::vector<VectorXd> distances(handle_vertices.size());
+  Vector<VectorXd> distances(handle_vertices.size());
   threads::ParallelFor(num_handles, num_threads, [&](int h) {
     const auto index = static_cast<size_t>(h);
     distances[index] = graph.Distances(std::array{handle_vertices[index]});
   });
   const auto num_vertices = static_cast<Index>(mesh.num_vertices());
-  Nearest nearest{std::vector<int>(static_cast<size_t>(num_vertices), 0), distances[0]};
+  Nearest nearest{Vector<int>(static_cast<size_t>(num_vertices), 0), distances[0]};
   for (int h = 1; h < num_handles; ++h) {
     const VectorXd& distance = distances[static_cast<size_t>(h)];
     for (Index v = 0; v < num_vertices; ++v) {

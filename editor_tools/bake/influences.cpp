@@ -1,9 +1,10 @@
 #include "bake/influences.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 namespace limber::bake {
 
@@ -11,7 +12,7 @@ InfluenceReport PruneInfluences(int most_kept, Eigen::MatrixXd* weights) {
   InfluenceReport report;
   const auto num_handles = static_cast<int>(weights->cols());
   report.kept = most_kept > 0 && most_kept < num_handles ? most_kept : 0;
-  std::vector<int> order(static_cast<size_t>(num_handles));
+  Vector<int> order(static_cast<size_t>(num_handles));
   double squares = 0;
   for (Eigen::Index v = 0; v < weights->rows(); ++v) {
     const Eigen::RowVectorXd before = weights->row(v);

@@ -3,20 +3,20 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
 struct PackedTable {
   std::string name;
-  std::vector<int64_t> shape;
+  Vector<int64_t> shape;
   int exponent = 0;
-  std::vector<uint8_t> bytes;  // rig/packed_numbers.h
+  Vector<uint8_t> bytes;  // rig/packed_numbers.h
 };
 
 // Everything but empty tables. Where `local` is empty the energies of single groups are packed as
@@ -26,9 +26,8 @@ struct PackedTable {
 // 2^-27 of the largest.
 // Errors: kInvalidArgument (a table of another size than the counts say), kInternal (a number that
 // is not finite); the message names the table and the element.
-Result<std::vector<PackedTable>> PackRigTables(const RigTables& tables,
-                                               const LocalGroupFactors& local);
+Result<Vector<PackedTable>> PackRigTables(const RigTables& tables, const LocalGroupFactors& local);
 
-uint64_t NumBytes(const std::vector<PackedTable>& tables);
+uint64_t NumBytes(const Vector<PackedTable>& tables);
 
 }  // namespace limber::bake

@@ -1,8 +1,9 @@
 #include "bake/pivoted_cholesky.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace limber::bake {
 
@@ -12,7 +13,7 @@ Eigen::MatrixXd PivotedCholesky(Eigen::MatrixXd matrix, double cut) {
   const double threshold = size > 0 ? cut * std::max(remaining.maxCoeff(), 0.0) : 0;
   // Column j of `factor` is row j of F: contiguous, and the update below is one product.
   Eigen::MatrixXd factor(size, size);
-  std::vector<Eigen::Index> pivots;
+  Vector<Eigen::Index> pivots;
   Eigen::Index rank = 0;
   for (; rank < size; ++rank) {
     Eigen::Index pivot = 0;

@@ -1,5 +1,7 @@
 #include "bake/quadratic_problem.h"
 
+#include "core/vector.h"
+
 namespace limber::bake {
 
 using Eigen::MatrixXd;
@@ -17,7 +19,7 @@ SparseMatrix<double> BiharmonicForm(const SparseMatrix<double>& laplacian, const
 QuadraticProblem SplitOffHandles(const SparseMatrix<double>& Q,
                                  std::span<const int> handle_vertices) {
   constexpr int kHandle = -1;
-  std::vector<int> row_of(static_cast<size_t>(Q.cols()), 0);
+  Vector<int> row_of(static_cast<size_t>(Q.cols()), 0);
   for (const int vertex : handle_vertices)
     row_of[static_cast<size_t>(vertex)] = kHandle;
   QuadraticProblem problem;
@@ -28,7 +30,7 @@ QuadraticProblem SplitOffHandles(const SparseMatrix<double>& Q,
   }
   const auto num_free = static_cast<Eigen::Index>(problem.free_vertices.size());
   problem.Q.resize(num_free, num_free);
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<size_t>(Q.nonZeros()));
   for (const int column : problem.free_vertices) {
     for (SparseMatrix<double>::InnerIterator it(Q, column); it; ++it) {

@@ -1,11 +1,12 @@
 // Quadratic forms on a surface, with what the handles fix taken out.
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <span>
-#include <vector>
 
 namespace limber::bake {
 
@@ -15,9 +16,9 @@ Eigen::SparseMatrix<double> BiharmonicForm(const Eigen::SparseMatrix<double>& la
 
 // min 1/2 x^T Q x + c_h^T x, for each handle h.
 struct QuadraticProblem {
-  std::vector<int> free_vertices;  // those that no handle has; rows of what follows
-  Eigen::SparseMatrix<double> Q;   // free x free
-  Eigen::MatrixXd c;               // free x H: the pull of each handle's one
+  Vector<int> free_vertices;      // those that no handle has; rows of what follows
+  Eigen::SparseMatrix<double> Q;  // free x free
+  Eigen::MatrixXd c;              // free x H: the pull of each handle's one
 };
 
 // The form Q's problem; handles that share a vertex pull together at it.

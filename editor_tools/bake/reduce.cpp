@@ -4,10 +4,9 @@
 #include "bake/mode_basis.h"
 #include "bake/pivoted_cholesky.h"
 #include "bake/single_shape_models.h"
+#include "core/vector.h"
 
 #include <Eigen/QR>
-
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -15,10 +14,10 @@ namespace {
 // Energies below this fraction of the largest single one are rounding of the sums before them.
 constexpr double kResidualCut = 1e-13;
 
-std::vector<Eigen::MatrixXd> ToRigSpace(const geometry::SolveMesh& mesh, const RigTables& tables) {
+Vector<Eigen::MatrixXd> ToRigSpace(const geometry::SolveMesh& mesh, const RigTables& tables) {
   const Eigen::Map<const Eigen::Matrix3f> basis(tables.space.basis.data());
   const Eigen::Map<const Eigen::RowVector3f> origin(tables.space.origin.data());
-  std::vector<Eigen::MatrixXd> shapes;
+  Vector<Eigen::MatrixXd> shapes;
   for (const geometry::PointMatrix& shape : mesh.shapes) {
     const Eigen::MatrixXd centred = shape.rowwise() - origin.cast<double>();
     const Eigen::MatrixXd turned =
@@ -28,7 +27,7 @@ std::vector<Eigen::MatrixXd> ToRigSpace(const geometry::SolveMesh& mesh, const R
   return shapes;
 }
 
-void StoreRows(const Eigen::MatrixXd& matrix, std::vector<float>* table) {
+void StoreRows(const Eigen::MatrixXd& matrix, Vector<float>* table) {
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
     for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
       table->push_back(static_cast<float>(matrix(row, column)));
@@ -38,7 +37,7 @@ void StoreRows(const Eigen::MatrixXd& matrix, std::vector<float>* table) {
 
 // K_z of all groups: G*S*k x r, rows (g, s, axis): the coordinates of every example's weighted
 // edges in the span of the modes' edges.
-Eigen::MatrixXd ModeEdges(const std::vector<GroupTensors>& groups, const ModeBasis& basis) {
+Eigen::MatrixXd ModeEdges(const Vector<GroupTensors>& groups, const ModeBasis& basis) {
   const Eigen::Index rows = groups.front().edge_load.cols();
   Eigen::MatrixXd edges(rows * static_cast<Eigen::Index>(groups.size()), basis.shapes.cols());
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -49,7 +48,7 @@ Eigen::MatrixXd ModeEdges(const std::vector<GroupTensors>& groups, const ModeBas
 }
 
 // Gram matrix of what the modes cannot reach: H - K_z K_z^T, positive semi-definite.
-Eigen::MatrixXd ResidualGram(const std::vector<GroupTensors>& groups,
+Eigen::MatrixXd ResidualGram(const Vector<GroupTensors>& groups,
                              const Eigen::MatrixXd& mode_edges) {
   Eigen::MatrixXd gram = -mode_edges * mode_edges.transpose();
   Eigen::Index at = 0;
@@ -80,7 +79,7 @@ Eigen::MatrixXd FoldAxes(const Eigen::MatrixXd& gram, Eigen::Index k) {
 // orthogonal matrix, r x r.
 Eigen::MatrixXd ConcentrateModes(const Eigen::MatrixXd& transforms, Eigen::MatrixXd* mode_edges) {
   constexpr double kLargest = 1000;
-  std::vector<Eigen::Index> turned, left;
+  Vector<Eigen::Index> turned, left;
   for (Eigen::Index mode = 0; mode < transforms.cols(); ++mode)
     (transforms.col(mode).cwiseAbs().maxCoeff() <= kLargest ? turned : left).push_back(mode);
   const auto num_turned = static_cast<Eigen::Index>(turned.size());
@@ -125,7 +124,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
     return progress && !progress(stage, fraction);
   };
   if (cancelled("tensors", 0)) return Error(StatusCode::kInvalidArgument, "cancelled");
-  const std::vector<Eigen::MatrixXd> shapes = ToRigSpace(*input.mesh, *tables);
+  const Vector<Eigen::MatrixXd> shapes = ToRigSpace(*input.mesh, *tables);
   const Eigen::SparseMatrix<double> laplacian =
       SumLaplacian(*input.edges, input.mesh->num_vertices());
   tables->num_groups = input.num_groups;
@@ -139,12 +138,12 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   // Edges of the examples as the modes reach them: a millionth off in length, which on a fine mesh
   // would be a thousandth of the energy's root, and an example must cost nothing at its own
   // handles.
-  std::vector<Eigen::MatrixXd> reached;
+  Vector<Eigen::MatrixXd> reached;
   reached.reserve(shapes.size());
   for (const Eigen::MatrixXd& shape : shapes) {
     reached.push_back(ReachableShape(*basis, laplacian, shape));
   }
-  const std::vector<GroupTensors> reached_groups =
+  const Vector<GroupTensors> reached_groups =
       BuildGroupTensors(reached, *input.edges, input.num_groups);
   Eigen::MatrixXd mode_edges = ModeEdges(reached_groups, *basis);
   StoreModes(input, *basis, ConcentrateModes(basis->transforms, &mode_edges), tables);
@@ -158,8 +157,7 @@ Status Reduce(const ReduceInput& input, const ProgressCallback& progress, RigTab
   StoreRows(factor, &tables->residual_factor);
   if (cancelled("tensors", 0.75)) return Error(StatusCode::kInvalidArgument, "cancelled");
 
-  const std::vector<GroupTensors> groups =
-      BuildGroupTensors(shapes, *input.edges, input.num_groups);
+  const Vector<GroupTensors> groups = BuildGroupTensors(shapes, *input.edges, input.num_groups);
   const SingleShapeInput single{&shapes,    input.weights,          &groups,
                                 &laplacian, &input.handle_vertices, input.num_threads};
   return BuildSingleShapeModels(single, tables, local);

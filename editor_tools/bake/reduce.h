@@ -3,22 +3,21 @@
 #pragma once
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 #include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace limber::bake {
 
 struct ReduceInput {
   const geometry::SolveMesh* mesh = nullptr;
   const Eigen::MatrixXd* weights = nullptr;  // V x H
-  const std::vector<geometry::GroupEdge>* edges = nullptr;
+  const Vector<geometry::GroupEdge>* edges = nullptr;
   int num_groups = 0;
-  std::vector<int> handle_vertices;
+  Vector<int> handle_vertices;
   int num_threads = 0;  // 0: one per core; the bits are the same for any number
 };
 

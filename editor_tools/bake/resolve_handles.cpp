@@ -1,5 +1,6 @@
 #include "bake/resolve_handles.h"
 
+#include "core/vector.h"
 #include "geometry/extremities.h"
 #include "geometry/point_tree.h"
 
@@ -20,8 +21,8 @@ std::string Place(const HandleSpec& spec) {
 
 // Solve vertex of each of the source's vertices, by the first draw vertex that came from it;
 // kNone for source vertices that no draw vertex uses.
-std::vector<int> SolveVertexOfSource(const RawCharacter& raw, const geometry::SolveMesh& mesh) {
-  std::vector<int> solve(raw.num_source_vertices, kNone);
+Vector<int> SolveVertexOfSource(const RawCharacter& raw, const geometry::SolveMesh& mesh) {
+  Vector<int> solve(raw.num_source_vertices, kNone);
   const size_t count = std::min(raw.source_vertex.size(), mesh.solve_vertex.size());
   for (size_t d = 0; d < count; ++d) {
     const uint32_t source = raw.source_vertex[d];
@@ -79,7 +80,7 @@ class Snapper {
     return source_[source];
   }
 
-  std::vector<int> source_;
+  Vector<int> source_;
   geometry::PointTree tree_;
 };
 
@@ -113,15 +114,15 @@ Status CheckSpecs(std::span<const HandleSpec> specs) {
 
 }  // namespace
 
-Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
-                                                   const geometry::SolveMesh& mesh,
-                                                   std::span<const HandleSpec> specs) {
+Result<Vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
+                                              const geometry::SolveMesh& mesh,
+                                              std::span<const HandleSpec> specs) {
   LIMBER_RETURN_IF_ERROR(CheckSpecs(specs));
   if (mesh.num_vertices() == 0) {
     return Error(StatusCode::kDegenerate, "mesh: it has no vertices; there is nothing to hold");
   }
   const Snapper snapper(raw, mesh);
-  std::vector<ResolvedHandle> resolved;
+  Vector<ResolvedHandle> resolved;
   std::map<int, size_t> owner;
   for (const HandleSpec& spec : specs) {
     Result<int> vertex = snapper.Snap(spec);
@@ -139,15 +140,15 @@ Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
   return resolved;
 }
 
-std::vector<HandleSpec> ChooseHandles(const RawCharacter& raw, const geometry::SolveMesh& mesh,
-                                      int count) {
+Vector<HandleSpec> ChooseHandles(const RawCharacter& raw, const geometry::SolveMesh& mesh,
+                                 int count) {
   // The source vertex of the first draw vertex on each solve vertex.
-  std::vector<uint32_t> source(static_cast<size_t>(mesh.num_vertices()), 0);
+  Vector<uint32_t> source(static_cast<size_t>(mesh.num_vertices()), 0);
   for (size_t d = mesh.solve_vertex.size(); d-- > 0;) {
     source[mesh.solve_vertex[d]] =
         d < raw.source_vertex.size() ? raw.source_vertex[d] : static_cast<uint32_t>(d);
   }
-  std::vector<HandleSpec> handles;
+  Vector<HandleSpec> handles;
   for (const int vertex : geometry::SpreadPoints(mesh, count)) {
     HandleSpec spec;
     spec.name = "handle_" + std::to_string(handles.size());

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <span>
-#include <vector>
 
 namespace limber::bake {
 
@@ -17,14 +17,14 @@ struct ResolvedHandle {
 // Snaps each wish to a solve vertex. Errors, each naming the handle: kNoHandles (none, or none
 // pinned), kInvalidArgument (vertex out of range, two of one name, two on one vertex, not finite,
 // a stiffness out of range).
-Result<std::vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
-                                                   const geometry::SolveMesh& mesh,
-                                                   std::span<const HandleSpec> specs);
+Result<Vector<ResolvedHandle>> ResolveHandles(const RawCharacter& raw,
+                                              const geometry::SolveMesh& mesh,
+                                              std::span<const HandleSpec> specs);
 
 // `count` handles spread over the extremities: farthest-point sampling by distance along the
 // surface (bridges included), starting at the tip farthest from the centre, each then moved to the
 // local extremity. Named "handle_0"... All pinned. Deterministic.
-std::vector<HandleSpec> ChooseHandles(const RawCharacter& raw, const geometry::SolveMesh& mesh,
-                                      int count);
+Vector<HandleSpec> ChooseHandles(const RawCharacter& raw, const geometry::SolveMesh& mesh,
+                                 int count);
 
 }  // namespace limber::bake

@@ -1,5 +1,6 @@
 #include "bake/rig_cost.h"
 
+#include "core/vector.h"
 #include "rig/rig_fields.h"
 
 #include <algorithm>
@@ -12,10 +13,9 @@ constexpr int64_t kAttributeFloats = 4;  // weights travel in fours (conventions
 // Numbers of all tables, padding not counted: VisitRigTables told for empty vectors.
 uint64_t NumTableFloats(const RigTables& tables) {
   uint64_t count = 0;
-  VisitRigTables(
-      tables, [&count](const char*, const std::vector<float>&, const std::vector<int64_t>& shape) {
-        count += static_cast<uint64_t>(NumElements(shape));
-      });
+  VisitRigTables(tables, [&count](const char*, const Vector<float>&, const Vector<int64_t>& shape) {
+    count += static_cast<uint64_t>(NumElements(shape));
+  });
   return count;
 }
 

@@ -1,6 +1,7 @@
 #include "bake/single_shape_models.h"
 
 #include "bake/mode_basis.h"
+#include "core/vector.h"
 #include "threads/parallel_for.h"
 
 #include <Eigen/Eigenvalues>
@@ -21,7 +22,7 @@ Eigen::MatrixXd UpperFactor(const Eigen::MatrixXd& gram) {
   return qr.matrixQR().triangularView<Eigen::Upper>();
 }
 
-void AppendPacked(const Eigen::MatrixXd& upper, std::vector<float>* packed) {
+void AppendPacked(const Eigen::MatrixXd& upper, Vector<float>* packed) {
   for (Eigen::Index row = 0; row < upper.rows(); ++row) {
     for (Eigen::Index column = row; column < upper.cols(); ++column) {
       packed->push_back(static_cast<float>(upper(row, column)));
@@ -31,14 +32,13 @@ void AppendPacked(const Eigen::MatrixXd& upper, std::vector<float>* packed) {
 
 // What one shape adds to the tables, of the same names there.
 struct SingleShapeTables {
-  std::vector<float> handle_modes, mode_transforms, local_factors;
+  Vector<float> handle_modes, mode_transforms, local_factors;
   Status status;
 };
 
 // Which handles move edges of which groups: [G][H] of 0 and 1.
-std::vector<float> GroupHandles(const std::vector<GroupTensors>& groups,
-                                const Eigen::MatrixXd& weights) {
-  std::vector<float> flags;
+Vector<float> GroupHandles(const Vector<GroupTensors>& groups, const Eigen::MatrixXd& weights) {
+  Vector<float> flags;
   for (const GroupTensors& group : groups) {
     const Eigen::MatrixXd local = group.Rows(weights);
     for (Eigen::Index h = 0; h < weights.cols(); ++h)
@@ -76,7 +76,7 @@ Eigen::MatrixXd LocalFactor(const SingleShapeInput& input, const GroupTensors& g
 
 // The transforms of shape s's modes, phi_0 first: H*(k+1) rows of 1 + r1.
 void AppendTransforms(const Eigen::MatrixXd& transforms, Eigen::Index k, Eigen::Index r1,
-                      std::vector<float>* table) {
+                      Vector<float>* table) {
   for (Eigen::Index row = 0; row < transforms.rows(); ++row) {
     const bool is_translation = row % (k + 1) == k;
     table->push_back(is_translation ? 1.0f : 0.0f);
@@ -96,7 +96,7 @@ Eigen::MatrixXd TurnToTriangle(const Eigen::MatrixXd& transforms) {
 
 // Of shape s, with r1 modes, of which the last stay zero where the shape has fewer.
 SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Index r1,
-                             const std::vector<float>& group_handles) {
+                             const Vector<float>& group_handles) {
   SingleShapeTables tables;
   const Eigen::Index k = input.shapes->front().cols();
   Result<ModeBasis> basis =
@@ -120,7 +120,7 @@ SingleShapeTables BuildShape(const SingleShapeInput& input, size_t s, Eigen::Ind
   return tables;
 }
 
-void Append(const std::vector<float>& numbers, std::vector<float>* table) {
+void Append(const Vector<float>& numbers, Vector<float>* table) {
   table->insert(table->end(), numbers.begin(), numbers.end());
 }
 
@@ -132,7 +132,7 @@ Status BuildSingleShapeModels(const SingleShapeInput& input, RigTables* tables,
   // and the rest stay zero, which adds nothing to any sum.
   const Eigen::Index r1 = input.weights->cols() * (input.shapes->front().cols() + 1) - 1;
   local->group_handles = GroupHandles(*input.groups, *input.weights);
-  std::vector<SingleShapeTables> shapes(input.shapes->size());
+  Vector<SingleShapeTables> shapes(input.shapes->size());
   threads::ParallelFor(static_cast<int>(shapes.size()), input.num_threads, [&](int s) {
     const auto shape = static_cast<size_t>(s);
     shapes[shape] = BuildShape(input, shape, r1, local->group_handles);

@@ -3,21 +3,20 @@
 
 #include "bake/group_tensors.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/local_group_factors.h"
 #include "rig/rig_tables.h"
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace limber::bake {
 
 struct SingleShapeInput {
-  const std::vector<Eigen::MatrixXd>* shapes = nullptr;  // S of V x k, rig space
-  const Eigen::MatrixXd* weights = nullptr;              // V x H
-  const std::vector<GroupTensors>* groups = nullptr;
+  const Vector<Eigen::MatrixXd>* shapes = nullptr;  // S of V x k, rig space
+  const Eigen::MatrixXd* weights = nullptr;         // V x H
+  const Vector<GroupTensors>* groups = nullptr;
   const Eigen::SparseMatrix<double>* laplacian = nullptr;  // V x V
-  const std::vector<int>* handle_vertices = nullptr;       // H
+  const Vector<int>* handle_vertices = nullptr;            // H
   int num_threads = 0;                                     // 0: one per core
 };
 

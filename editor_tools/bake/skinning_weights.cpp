@@ -4,12 +4,12 @@
 #include "bake/quadratic_problem.h"
 #include "bake/weight_rows.h"
 #include "bake/weight_supports.h"
+#include "core/vector.h"
 #include "geometry/robust_laplacian.h"
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 
 constexpr double kNegligibleWeight = 1e-7;  // becomes zero before rows are normalised
 
-Status CheckOptimality(const std::vector<BoundedQuadraticReport>& reports) {
+Status CheckOptimality(const Vector<BoundedQuadraticReport>& reports) {
   for (size_t h = 0; h < reports.size(); ++h) {
     const BoundedQuadraticReport& report = reports[h];
     if (report.converged || report.stationarity <= kUsableStationarity) continue;

@@ -3,12 +3,12 @@
 
 #include "bake/progress.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 
 #include <span>
-#include <vector>
 
 namespace limber::bake {
 
@@ -24,7 +24,7 @@ struct HandleOptimality {
 inline constexpr double kUsableStationarity = 1e-3;
 
 struct WeightsReport {
-  std::vector<HandleOptimality> handles;  // H; empty where there is only one
+  Vector<HandleOptimality> handles;  // H; empty where there is only one
   // The worst over handles, before rows were normalised.
   double bound_violation = 0;
   double stationarity = 0;

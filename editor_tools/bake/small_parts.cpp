@@ -1,10 +1,11 @@
 #include "bake/small_parts.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <functional>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -27,8 +28,8 @@ bool IsSmall(const PointMatrix& points, double diagonal) {
   return extents[0] <= kSmallPart * diagonal && extents[1] >= kLeastRoundness * extents[0];
 }
 
-std::vector<std::vector<int>> VerticesOfParts(const geometry::SolveMesh& mesh) {
-  std::vector<std::vector<int>> parts(static_cast<size_t>(mesh.num_components));
+Vector<Vector<int>> VerticesOfParts(const geometry::SolveMesh& mesh) {
+  Vector<Vector<int>> parts(static_cast<size_t>(mesh.num_components));
   for (int v = 0; v < mesh.num_vertices(); ++v)
     parts[static_cast<size_t>(mesh.component[static_cast<size_t>(v)])].push_back(v);
   return parts;
@@ -39,13 +40,13 @@ std::vector<std::vector<int>> VerticesOfParts(const geometry::SolveMesh& mesh) {
 int HoldSmallParts(const geometry::SolveMesh& mesh, std::span<const int> handle_vertices,
                    Eigen::MatrixXd* weights) {
   const auto num_parts = static_cast<size_t>(mesh.num_components);
-  std::vector<bool> is_free(num_parts, true);
+  Vector<bool> is_free(num_parts, true);
   if (num_parts > 0) is_free[0] = false;  // the body
   for (const int v : handle_vertices)
     is_free[static_cast<size_t>(mesh.component[static_cast<size_t>(v)])] = false;
   const PointMatrix& rest = mesh.shapes[0];
   const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
-  const std::vector<std::vector<int>> parts = VerticesOfParts(mesh);
+  const Vector<Vector<int>> parts = VerticesOfParts(mesh);
   int held = 0;
   // The bridges of a part lie together, after those of the parts that it is tied to: a pupil comes
   // after its eye.

@@ -1,9 +1,9 @@
 #include "bake/weight_rows.h"
 
+#include "core/vector.h"
 #include "geometry/union_find.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -12,12 +12,12 @@ using Eigen::MatrixXd;
 
 // Where nothing says whom a vertex follows, it follows as its neighbours do.
 void FillEmptyRows(const geometry::SolveMesh& mesh, MatrixXd* weights) {
-  std::vector<bool> filled(static_cast<size_t>(weights->rows()));
+  Vector<bool> filled(static_cast<size_t>(weights->rows()));
   for (Eigen::Index v = 0; v < weights->rows(); ++v)
     filled[v] = weights->row(v).sum() > 0;
   while (std::find(filled.begin(), filled.end(), false) != filled.end()) {
     MatrixXd sums = MatrixXd::Zero(weights->rows(), weights->cols());
-    std::vector<bool> reached = filled;
+    Vector<bool> reached = filled;
     const auto spread = [&](int from, int to) {
       if (!filled[from] || filled[to]) return;
       sums.row(to) += weights->row(from) / weights->row(from).sum();
@@ -48,7 +48,7 @@ Status CheckWeightInput(const geometry::SolveMesh& mesh, std::span<const int> ha
   if (handle_vertices.empty()) {
     return Error(StatusCode::kNoHandles, "skinning weights: there is no handle; add one");
   }
-  std::vector<bool> taken(static_cast<size_t>(mesh.num_vertices()), false);
+  Vector<bool> taken(static_cast<size_t>(mesh.num_vertices()), false);
   for (size_t h = 0; h < handle_vertices.size(); ++h) {
     const int v = handle_vertices[h];
     if (v < 0 || v >= mesh.num_vertices() || taken[v]) {

@@ -2,6 +2,7 @@
 
 #include "bake/bounded_quadratic.h"
 #include "bake/quadratic_problem.h"
+#include "core/vector.h"
 #include "threads/parallel_for.h"
 
 #include <utility>
@@ -23,7 +24,7 @@ WeightSupports::WeightSupports(const geometry::RobustLaplacian& surface,
   const auto num_handles = static_cast<int>(handle_vertices.size());
   is_reached_.setConstant(coarse_.areas.size(), num_handles, true);
   if (coarse_.areas.size() == surface.areas.size()) return;
-  std::vector<int> aggregates;  // of the handles
+  Vector<int> aggregates;  // of the handles
   for (const int vertex : handle_vertices)
     aggregates.push_back(coarse_.aggregate_of[static_cast<size_t>(vertex)]);
   const QuadraticProblem problem =
@@ -41,7 +42,7 @@ WeightSupports::WeightSupports(const geometry::RobustLaplacian& surface,
   });
 }
 
-std::vector<bool> WeightSupports::Around(int handle, int rings) const {
+Vector<bool> WeightSupports::Around(int handle, int rings) const {
   Eigen::Matrix<bool, Eigen::Dynamic, 1> is_in = is_reached_.col(handle);
   for (int ring = 0; ring < rings; ++ring) {
     const auto before = is_in;
@@ -51,7 +52,7 @@ std::vector<bool> WeightSupports::Around(int handle, int rings) const {
         is_in(it.row()) = true;
     }
   }
-  std::vector<bool> vertices;
+  Vector<bool> vertices;
   vertices.reserve(coarse_.aggregate_of.size());
   for (const int aggregate : coarse_.aggregate_of)
     vertices.push_back(is_in(aggregate));

@@ -5,12 +5,12 @@
 #pragma once
 
 #include "bake/coarse_surface.h"
+#include "core/vector.h"
 #include "geometry/robust_laplacian.h"
 
 #include <Eigen/Core>
 
 #include <span>
-#include <vector>
 
 namespace limber::bake {
 
@@ -21,7 +21,7 @@ class WeightSupports {
 
   // [V]: all of the surface within so many aggregates of where the coarse weight is above zero; on
   // a surface that is small already, all.
-  std::vector<bool> Around(int handle, int rings) const;
+  Vector<bool> Around(int handle, int rings) const;
 
   int num_aggregates() const { return static_cast<int>(coarse_.areas.size()); }
 

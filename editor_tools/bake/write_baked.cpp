@@ -2,6 +2,7 @@
 
 #include "bake/handle_nodes.h"
 #include "bake/pack_tables.h"
+#include "core/vector.h"
 #include "gltf_edit/gltf_patch.h"
 #include "import/file_output.h"
 #include "load/gltf_mesh.h"
@@ -106,8 +107,8 @@ size_t ChooseRigIndex(const Json& root, const Json& rigs, int mesh) {
 }
 
 // Unlinks an earlier bake's attributes and tables; returns the accessors.
-std::vector<size_t> UnlinkOldBake(Json* primitives, Json* rig) {
-  std::vector<size_t> accessors;
+Vector<size_t> UnlinkOldBake(Json* primitives, Json* rig) {
+  Vector<size_t> accessors;
   const auto keep = [&accessors](const Json& index) {
     if (index.is_number_unsigned()) accessors.push_back(index.get<size_t>());
   };
@@ -139,16 +140,16 @@ void AddAttributes(const BakedCharacter& baked, const SkinPrimitive& primitive, 
   constexpr size_t kPerAttribute = 4;
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
   const auto* solve = mesh.solve_vertex.data() + primitive.first_vertex;
-  const std::vector<float> weld(solve, solve + primitive.num_vertices);
+  const Vector<float> weld(solve, solve + primitive.num_vertices);
   (*attributes)[kWeldAttribute] = patch->AddFloats(kWeldAttribute, weld, 1, true);
   if (!baked.vertex_groups.empty()) {
-    std::vector<float> groups(primitive.num_vertices);
+    Vector<float> groups(primitive.num_vertices);
     for (size_t v = 0; v < groups.size(); ++v)
       groups[v] = static_cast<float>(baked.vertex_groups[solve[v]]);
     (*attributes)[kGroupAttribute] = patch->AddFloats(kGroupAttribute, groups, 1, true);
   }
   for (size_t first = 0; first < num_handles; first += kPerAttribute) {
-    std::vector<float> rows(kPerAttribute * primitive.num_vertices, 0.0f);
+    Vector<float> rows(kPerAttribute * primitive.num_vertices, 0.0f);
     const size_t used = std::min(kPerAttribute, num_handles - first);
     for (size_t v = 0; v < primitive.num_vertices; ++v) {
       const float* weights = mesh.weights.data() + solve[v] * num_handles + first;
@@ -159,7 +160,7 @@ void AddAttributes(const BakedCharacter& baked, const SkinPrimitive& primitive, 
   }
 }
 
-RigJson DescribeRig(const BakedCharacter& baked, const std::vector<PackedTable>& tables,
+RigJson DescribeRig(const BakedCharacter& baked, const Vector<PackedTable>& tables,
                     const GltfMorphMesh& mesh, GltfPatch* patch) {
   RigJson rig;
   rig.num_vertices = mesh.num_vertices();
@@ -187,8 +188,8 @@ void NoteExtensionUsed(Json* root) {
 }
 
 // One for each handle, also where the bake was put together by hand and has none.
-std::vector<double> StiffnessOfHandles(const BakedCharacter& baked) {
-  std::vector<double> stiffness = baked.handle_stiffness;
+Vector<double> StiffnessOfHandles(const BakedCharacter& baked) {
+  Vector<double> stiffness = baked.handle_stiffness;
   stiffness.resize(baked.tables.handles.size(), 1);
   return stiffness;
 }
@@ -252,7 +253,7 @@ Status WriteBaked(const std::filesystem::path& source, const RawCharacter& raw,
   size_t rig_index = 0;
   LIMBER_RETURN_IF_ERROR(
       PatchRig(raw, baked, open->mesh, &open->patch, &rig_index).WithContext(name));
-  Result<std::vector<uint8_t>> bytes = open->patch.Finish(out.extension() == ".glb");
+  Result<Vector<uint8_t>> bytes = open->patch.Finish(out.extension() == ".glb");
   if (!bytes.ok()) return bytes.status().WithContext(out.string());
   RigLoadOptions options;
   options.rig_index = static_cast<int>(rig_index);

@@ -1,5 +1,7 @@
 #include "bench/drag_path.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,21 +16,20 @@ using Clock = std::chrono::steady_clock;
 // Frames before those that count: the caches fill, and the state comes onto the path.
 constexpr int kWarmUpFrames = 50;
 
-double Median(std::vector<double> values) {
+double Median(Vector<double> values) {
   const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-AlternationTimes Summarise(const std::vector<double>& seconds,
-                           const std::vector<StageTimes>& stages) {
+AlternationTimes Summarise(const Vector<double>& seconds, const Vector<StageTimes>& stages) {
   AlternationTimes times;
   times.median = Median(seconds);
   times.mean =
       std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
   for (double StageTimes::*stage : {&StageTimes::rotations, &StageTimes::nearness,
                                     &StageTimes::blend, &StageTimes::transforms}) {
-    std::vector<double> values;
+    Vector<double> values;
     values.reserve(stages.size());
     for (const StageTimes& frame : stages)
       values.push_back(frame.*stage);
@@ -39,9 +40,9 @@ AlternationTimes Summarise(const std::vector<double>& seconds,
 
 }  // namespace
 
-std::vector<std::vector<Vec3>> DragPath(const Rig& rig, int num_frames) {
+Vector<Vector<Vec3>> DragPath(const Rig& rig, int num_frames) {
   const SkinMesh& mesh = rig.mesh();
-  std::vector<std::vector<Vec3>> path(static_cast<size_t>(num_frames));
+  Vector<Vector<Vec3>> path(static_cast<size_t>(num_frames));
   for (int f = 0; f < num_frames; ++f) {
     const double place = static_cast<double>(f) * rig.num_shapes() / num_frames;
     const int from = static_cast<int>(place), to = (from + 1) % rig.num_shapes();
@@ -62,7 +63,7 @@ std::vector<std::vector<Vec3>> DragPath(const Rig& rig, int num_frames) {
   return path;
 }
 
-Status SetTargets(const std::vector<Vec3>& targets, PoseState* pose) {
+Status SetTargets(const Vector<Vec3>& targets, PoseState* pose) {
   for (size_t h = 0; h < targets.size(); ++h) {
     if (!pose->rig().tables().handles[h].pinned) continue;
     LIMBER_RETURN_IF_ERROR(pose->SetTarget(static_cast<int>(h), targets[h]));
@@ -78,8 +79,8 @@ Result<AlternationTimes> TimeAlternations(const std::shared_ptr<const Rig>& rig,
   PoseOptions options;
   options.rotations = rig->tables().has_rotations;
   options.measure_stages = true;
-  std::vector<double> seconds;
-  std::vector<StageTimes> stages;
+  Vector<double> seconds;
+  Vector<StageTimes> stages;
   for (int step = -kWarmUpFrames; step < num_frames; ++step) {
     const int frame = (step + kWarmUpFrames * num_frames) % num_frames;  // the path is closed
     PoseReport report;

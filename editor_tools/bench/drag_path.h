@@ -1,21 +1,21 @@
 // A path that drags a character through all that it knows, and what an alternation costs along it.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "solve/pose_solver.h"
 
 #include <functional>
 #include <memory>
-#include <vector>
 
 namespace limber::bench {
 
 // Targets of one frame, [H], mesh space: the handles go from example shape to example shape and
 // round again, while each sways on its own, so that the active shapes change along the way.
-std::vector<std::vector<Vec3>> DragPath(const Rig& rig, int num_frames);
+Vector<Vector<Vec3>> DragPath(const Rig& rig, int num_frames);
 
 // Sets every pinned handle's target; the first error, if any.
-Status SetTargets(const std::vector<Vec3>& targets, PoseState* pose);
+Status SetTargets(const Vector<Vec3>& targets, PoseState* pose);
 
 // Seconds on the clock of one alternation a frame: targets in, skinning matrices out.
 struct AlternationTimes {

@@ -1,6 +1,7 @@
 #include "bench/made_character.h"
 
 #include "bench/made_surface.h"
+#include "core/vector.h"
 
 #include <Eigen/Geometry>
 
@@ -38,8 +39,8 @@ Vector3d ExamplePoint(const Vector3d& rest, int s, int dimension) {
 }
 
 // Farthest points by straight distance.
-std::vector<int> SpreadHandles(const PointMatrix& points, int first, int count) {
-  std::vector<int> chosen = {first};
+Vector<int> SpreadHandles(const PointMatrix& points, int first, int count) {
+  Vector<int> chosen = {first};
   Eigen::VectorXd distance = (points.rowwise() - points.row(first)).rowwise().squaredNorm();
   while (static_cast<int>(chosen.size()) < count) {
     Eigen::Index farthest = 0;

@@ -1,5 +1,7 @@
 #include "bench/made_surface.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +15,7 @@ using Eigen::Vector3d;
 // `small` and `large` give the number of a ring's point i, counted around.
 template <class Small, class Large>
 void AddBand(int sectors, int steps, const Small& small, const Large& large, bool flipped,
-             std::vector<uint32_t>* triangles) {
+             Vector<uint32_t>* triangles) {
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
     if (flipped) std::swap(b, c);
     triangles->insert(triangles->end(), {a, b, c});
@@ -33,8 +35,8 @@ class RingSphere {
  public:
   explicit RingSphere(int n) : n_(n) {}
 
-  std::vector<Vector3d> Points() const {
-    std::vector<Vector3d> points;
+  Vector<Vector3d> Points() const {
+    Vector<Vector3d> points;
     for (int ring = 0; ring <= 2 * n_; ++ring) {
       const double polar = std::numbers::pi * ring / (2 * n_);
       for (int i = 0; i < RingSize(ring); ++i) {
@@ -46,8 +48,8 @@ class RingSphere {
     return points;
   }
 
-  std::vector<uint32_t> Triangles() const {
-    std::vector<uint32_t> triangles;
+  Vector<uint32_t> Triangles() const {
+    Vector<uint32_t> triangles;
     for (int ring = 0; ring < n_; ++ring) {
       Join(ring, ring + 1, false, &triangles);
       Join(2 * n_ - ring, 2 * n_ - ring - 1, true, &triangles);
@@ -69,7 +71,7 @@ class RingSphere {
   }
 
   // A ring and the next one nearer to the equator.
-  void Join(int small, int large, bool flipped, std::vector<uint32_t>* triangles) const {
+  void Join(int small, int large, bool flipped, Vector<uint32_t>* triangles) const {
     AddBand(
         4, std::min(small, 2 * n_ - small), [&](int i) { return At(small, i); },
         [&](int i) { return At(large, i); }, flipped, triangles);

@@ -1,16 +1,17 @@
 // Two triangulated surfaces of any size, made in code, of triangles of nearly one size.
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <vector>
 
 namespace limber::bench {
 
 struct MadeSurface {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<uint32_t> triangles;  // counter-clockwise from outside, or from +z
+  Vector<Eigen::Vector3d> points;
+  Vector<uint32_t> triangles;  // counter-clockwise from outside, or from +z
 };
 
 // The unit sphere, closed, of 4 n^2 + 2 points: at least so many as asked for. The first one is at

@@ -1,13 +1,13 @@
 #include "bench/paper_table.h"
 
 #include "bench/made_character.h"
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "import/pack_obj.h"
 
 #include <algorithm>
 #include <array>
 #include <string_view>
-#include <vector>
 
 namespace limber::bench {
 namespace {
@@ -47,8 +47,8 @@ bool HasFilesOf(const PaperRow& row, const fs::path& data) {
 
 // As `limber pack` and `limber bake` would read them.
 Result<bake::RawCharacter> ReadObjs(std::span<const char* const> files, const fs::path& data) {
-  std::vector<bake::ObjMesh> meshes;
-  std::vector<std::string> names;
+  Vector<bake::ObjMesh> meshes;
+  Vector<std::string> names;
   for (const char* file : files) {
     auto mesh = bake::ReadObj(data / file);
     if (!mesh.ok()) return mesh.status();

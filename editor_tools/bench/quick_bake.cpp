@@ -5,6 +5,7 @@
 #include "bake/resolve_handles.h"
 #include "bake/rig_space.h"
 #include "bench/smooth_weights.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "rig/rest_frames.h"
@@ -23,7 +24,7 @@ geometry::SolveMesh Weld(const RawCharacter& raw) {
   return mesh;
 }
 
-void FillHandles(const geometry::SolveMesh& mesh, const std::vector<bake::ResolvedHandle>& resolved,
+void FillHandles(const geometry::SolveMesh& mesh, const Vector<bake::ResolvedHandle>& resolved,
                  RigTables* tables) {
   for (const bake::ResolvedHandle& wish : resolved) {
     RigHandle handle;
@@ -77,7 +78,7 @@ Result<bake::BakedCharacter> BakeQuickly(const RawCharacter& raw,
   bake::BakedCharacter baked;
   RigTables& tables = baked.tables;
   tables.space = bake::FitRigSpace(mesh.shapes, &tables.dimension);
-  tables.shape_names = raw.shape_names;
+  tables.shape_names.assign(raw.shape_names.begin(), raw.shape_names.end());
   tables.has_rotations = options.rotations;
   FillHandles(mesh, *resolved, &tables);
   bake::ReduceInput input;
@@ -87,8 +88,8 @@ Result<bake::BakedCharacter> BakeQuickly(const RawCharacter& raw,
   const Eigen::MatrixXd weights =
       SmoothWeights(mesh.shapes[0], input.handle_vertices).cast<float>().cast<double>();
   const int wanted = options.num_groups > 0 ? options.num_groups : 2 * tables.num_handles();
-  const std::vector<int> groups = bake::ClusterVertices(weights, wanted, &input.num_groups);
-  const std::vector<geometry::GroupEdge> edges = bake::BuildGroupEdges(mesh, groups);
+  const Vector<int> groups = bake::ClusterVertices(weights, wanted, &input.num_groups);
+  const Vector<geometry::GroupEdge> edges = bake::BuildGroupEdges(mesh, groups);
   input.mesh = &mesh;
   input.weights = &weights;
   input.edges = &edges;

@@ -2,16 +2,17 @@
 // vertex; they owe nothing to the weights of the bake.
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <vector>
 
 namespace limber::bench {
 
 // V x H: 1 / (distance^4 to the handle's vertex), normalised over handles.
 inline Eigen::MatrixXd SmoothWeights(const Eigen::MatrixXd& points,
-                                     const std::vector<int>& handle_vertices) {
+                                     const Vector<int>& handle_vertices) {
   Eigen::MatrixXd weights(points.rows(), static_cast<Eigen::Index>(handle_vertices.size()));
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
     for (Eigen::Index h = 0; h < weights.cols(); ++h) {

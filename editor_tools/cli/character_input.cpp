@@ -1,6 +1,7 @@
 #include "cli/character_input.h"
 
 #include "bake/resolve_handles.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "import/handle_file.h"
@@ -10,7 +11,7 @@ namespace {
 
 // The bake welds for itself, with its own tolerance; choosing only needs to know what hangs
 // together.
-std::vector<bake::HandleSpec> ChooseOnSurface(const bake::RawCharacter& raw, int count) {
+Vector<bake::HandleSpec> ChooseOnSurface(const bake::RawCharacter& raw, int count) {
   const auto& rest = raw.shapes[0];
   const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   geometry::SolveMesh mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 1e-6 * diagonal);

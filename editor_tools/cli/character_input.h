@@ -2,15 +2,15 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/raw_character.h"
 
 #include <string>
-#include <vector>
 
 namespace limber::cli {
 
 struct HandleChoice {
-  std::vector<bake::HandleSpec> handles;
+  Vector<bake::HandleSpec> handles;
   std::string source;  // where they came from, for people: "the file knees.json"
 };
 

@@ -7,6 +7,7 @@
 #include "cli/character_input.h"
 #include "cli/command.h"
 #include "cli/progress_bar.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 #include "load/rig_loader.h"
 
@@ -46,7 +47,7 @@ Examples:
 )";
 
 struct BenchOptions {
-  std::vector<std::string> files, only;
+  Vector<std::string> files, only;
   std::string data;
   bool quick = false;
   int num_frames = 480, num_threads = 0;
@@ -114,8 +115,8 @@ double Effort(const bench::PaperRow& row) {
   return 1e3 + static_cast<double>(row.vertices) * row.handles;
 }
 
-std::vector<const bench::PaperRow*> ChosenRows(const BenchOptions& options) {
-  std::vector<const bench::PaperRow*> rows;
+Vector<const bench::PaperRow*> ChosenRows(const BenchOptions& options) {
+  Vector<const bench::PaperRow*> rows;
   for (const bench::PaperRow& row : bench::PaperTable()) {
     const bool named = std::count(options.only.begin(), options.only.end(), row.name) > 0;
     if (named || options.only.empty()) rows.push_back(&row);
@@ -153,7 +154,7 @@ Status BenchTable(const BenchOptions& options, const Console& console, Json* row
   return {};
 }
 
-Status LoadRows(const std::string& path, std::vector<BenchRow>* rows) {
+Status LoadRows(const std::string& path, Vector<BenchRow>* rows) {
   const Result<GltfFile> file = GltfFile::Open(path);
   if (!file.ok()) return file.status();
   const int num_rigs = std::max(1, CountRigs(*file));  // none: the loader says so
@@ -171,7 +172,7 @@ Status LoadRows(const std::string& path, std::vector<BenchRow>* rows) {
 }
 
 Status BenchFiles(const BenchOptions& options, const Console& console, Json* result) {
-  std::vector<BenchRow> rows;
+  Vector<BenchRow> rows;
   for (const std::string& path : options.files)
     LIMBER_RETURN_IF_ERROR(LoadRows(path, &rows));
   PrintBenchHeading(false, console);
@@ -196,8 +197,8 @@ ExitCode RunBench(const BenchOptions& options, const Console& console) {
   return kSuccess;
 }
 
-std::vector<std::string> RowNames() {
-  std::vector<std::string> names;
+Vector<std::string> RowNames() {
+  Vector<std::string> names;
   for (const bench::PaperRow& row : bench::PaperTable())
     names.emplace_back(row.name);
   return names;

@@ -2,6 +2,7 @@
 #include "bake/bake.h"
 #include "cli/command.h"
 #include "cli/cost_text.h"
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "load/gltf_accessor.h"
 #include "load/gltf_file.h"
@@ -96,7 +97,7 @@ Json SourceJson(const bake::RawCharacter& raw, const InfoOptions& options) {
 
 uint64_t ModelBytes(const RigTables& tables) {
   uint64_t num_floats = 0;
-  VisitRigTables(tables, [&](const char*, const std::vector<float>& table, const auto&) {
+  VisitRigTables(tables, [&](const char*, const Vector<float>& table, const auto&) {
     num_floats += table.size();
   });
   return num_floats * sizeof(float);
@@ -238,7 +239,7 @@ ExitCode InfoOfSource(const GltfFile& file, const InfoOptions& options, const Co
 
 ExitCode InfoOfBaked(const GltfFile& file, int num_rigs, const Console& console) {
   Json infos = Json::array();
-  std::vector<bake::RigCost> costs;
+  Vector<bake::RigCost> costs;
   for (int i = 0; i < num_rigs; ++i) {
     RigLoadOptions load_options;
     load_options.rig_index = i;

@@ -5,6 +5,7 @@
 #include "cli/picture_options.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
+#include "core/vector.h"
 #include "inspect/colored_character.h"
 #include "inspect/group_colors.h"
 #include "inspect/picture_layout.h"
@@ -43,7 +44,7 @@ Examples:
 
 struct InspectOptions {
   std::string baked, output, targets;
-  std::vector<std::string> what = {kWeights, kGroups, kExamples}, handles;
+  Vector<std::string> what = {kWeights, kGroups, kExamples}, handles;
   int frame = 0;
   PictureOptions picture = {.size = "640x480"};
 
@@ -89,8 +90,8 @@ Result<Subject> Load(const InspectOptions& options) {
 }
 
 // The handles that are asked for, all where none is. kInvalidArgument for a name that none has.
-Result<std::vector<int>> ChosenHandles(const Rig& rig, const std::vector<std::string>& names) {
-  std::vector<int> chosen;
+Result<Vector<int>> ChosenHandles(const Rig& rig, const Vector<std::string>& names) {
+  Vector<int> chosen;
   for (const std::string& name : names) {
     const int handle = rig.FindHandle(name);
     if (handle < 0) {
@@ -122,7 +123,7 @@ class Pictures {
     viewer::OrbitCamera camera = Camera(character, **renderer);
     options_.picture.Move(&camera);
     LIMBER_RETURN_IF_ERROR((*renderer)->RenderFrame(transforms, camera, dots, image));
-    const std::vector<std::string> messages = (*renderer)->validation_log().messages();
+    const Vector<std::string> messages = (*renderer)->validation_log().messages();
     if (messages.empty()) return {};
     return Error(StatusCode::kDeviceError, "a message of the Vulkan validation layers: %s",
                  messages[0].c_str());
@@ -145,18 +146,18 @@ class Pictures {
     return viewer::WritePng(output_->Stage(name), image);
   }
 
-  const std::vector<std::string>& names() const { return names_; }
+  const Vector<std::string>& names() const { return names_; }
 
  private:
   const InspectOptions& options_;
   OutputFolder* output_;
-  std::vector<std::string> names_;
+  Vector<std::string> names_;
 };
 
-Status DrawWeights(const Subject& subject, const std::vector<int>& handles,
+Status DrawWeights(const Subject& subject, const Vector<int>& handles,
                    const viewer::HeadlessOptions& size, Pictures* pictures, ProgressBar* progress) {
   inspect::ContactSheet sheet(handles.size(), size.width, size.height);
-  const std::vector<std::string> names = HandleFileNames(subject.rig->tables().handles);
+  const Vector<std::string> names = HandleFileNames(subject.rig->tables().handles);
   for (size_t i = 0; i < handles.size(); ++i) {
     if (!progress->Update(kWeights, static_cast<double>(i) / static_cast<double>(handles.size())))
       return Error(StatusCode::kInvalidArgument, "interrupted");
@@ -207,7 +208,7 @@ void Report(const Subject& subject, const InspectOptions& options, const OutputF
   Json legend = Json::object();
   const auto colors = inspect::ExampleColors(subject.rig->tables().num_shapes());
   for (size_t s = 0; options.Asks(kExamples) && s < colors.size(); ++s) {
-    const std::string& name = subject.rig->tables().shape_names[s];
+    const std::string name(subject.rig->tables().shape_names[s]);
     legend[name] = HexCode(colors[s]);
     console.Print("  %s  %s", HexCode(colors[s]).c_str(), name.c_str());
   }
@@ -217,9 +218,9 @@ void Report(const Subject& subject, const InspectOptions& options, const OutputF
 
 Status DrawAll(const Subject& subject, const InspectOptions& options, Pictures* pictures,
                ProgressBar* progress) {
-  const Result<std::vector<int>> handles = ChosenHandles(*subject.rig, options.handles);
+  const Result<Vector<int>> handles = ChosenHandles(*subject.rig, options.handles);
   if (!handles.ok()) return handles.status();
-  std::vector<int> groups;
+  Vector<int> groups;
   if (options.Asks(kGroups) || options.Asks(kExamples)) {
     const auto node = static_cast<size_t>(FindRigNode(subject.file, 0));
     auto read = inspect::ReadVertexGroups(

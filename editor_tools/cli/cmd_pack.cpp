@@ -2,6 +2,7 @@
 #include "animation/pack_clip.h"
 #include "cli/command.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "import/file_output.h"
 #include "import/pack_obj.h"
 
@@ -44,7 +45,7 @@ Examples:
 
 struct PackCommandOptions {
   std::string base, output, times;
-  std::vector<std::string> shapes;
+  Vector<std::string> shapes;
   bake::PackOptions pack;
   bake::PackClipOptions clip;
 };
@@ -57,8 +58,8 @@ bool IsGltf(const std::string& file) {
 }
 
 // Numbers between commas; nothing where one of them is not a number.
-std::optional<std::vector<double>> ParseTimes(const std::string& text) {
-  std::vector<double> times;
+std::optional<Vector<double>> ParseTimes(const std::string& text) {
+  Vector<double> times;
   const char* at = text.data();
   const char* const text_end = text.data() + text.size();
   while (true) {
@@ -96,7 +97,7 @@ std::string FindMisuse(const CLI::App& app, const PackCommandOptions& options) {
 
 // A name too many after -o must not turn an artist's shape into a glTF.
 Status CheckOutput(const PackCommandOptions& options) {
-  std::vector<fs::path> inputs(options.shapes.begin(), options.shapes.end());
+  Vector<fs::path> inputs(options.shapes.begin(), options.shapes.end());
   inputs.emplace_back(options.base);
   LIMBER_RETURN_IF_ERROR(bake::CheckKeepsInputs(options.output, inputs));
   const std::string extension = fs::path(options.output).extension().string();
@@ -114,7 +115,7 @@ uintmax_t FileSize(const std::string& file) {
 }
 
 ExitCode PackObjFiles(const PackCommandOptions& options, const Console& console) {
-  const std::vector<fs::path> shapes(options.shapes.begin(), options.shapes.end());
+  const Vector<fs::path> shapes(options.shapes.begin(), options.shapes.end());
   if (Status s = bake::PackObj(options.base, shapes, options.pack, options.output); !s.ok()) {
     return console.Fail(s);
   }

@@ -4,6 +4,7 @@
 #include "cli/picture_options.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
+#include "core/vector.h"
 #include "viewer/headless.h"
 #include "viewer/image.h"
 
@@ -44,8 +45,8 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::vector<viewer::HandleDot> Dots(const PoseState& state) {
-  std::vector<viewer::HandleDot> dots;
+Vector<viewer::HandleDot> Dots(const PoseState& state) {
+  Vector<viewer::HandleDot> dots;
   for (int h = 0; h < state.rig().num_handles(); ++h) {
     if (!state.is_pinned(h)) continue;
     viewer::HandleDot dot;
@@ -73,7 +74,7 @@ Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& o
     auto start = Clock::now();
     LIMBER_RETURN_IF_ERROR(state->Solve(options.run.ForSolver(*run.rig), &report));
     sums.solve += MillisecondsSince(start);
-    const auto dots = options.dots ? Dots(*state) : std::vector<viewer::HandleDot>();
+    const auto dots = options.dots ? Dots(*state) : Vector<viewer::HandleDot>();
     LIMBER_RETURN_IF_ERROR(renderer->RenderFrame(state->transforms(), camera, dots, &image));
     sums.skin += renderer->times().skin_ms;
     sums.draw += renderer->times().draw_ms;
@@ -87,7 +88,7 @@ Result<StageSums> RenderFrames(const PoseRun& run, const RenderCommandOptions& o
 
 // A picture drawn against Vulkan's rules may look right here and break elsewhere.
 Status CheckValidation(const viewer::HeadlessRenderer& renderer) {
-  const std::vector<std::string> messages = renderer.validation_log().messages();
+  const Vector<std::string> messages = renderer.validation_log().messages();
   if (messages.empty()) return {};
   return Error(StatusCode::kDeviceError,
                "%zu messages of the Vulkan validation layers; the first: %s", messages.size(),

@@ -5,6 +5,7 @@
 #include "cli/output.h"
 #include "cli/pose_run.h"
 #include "cli/progress_bar.h"
+#include "core/vector.h"
 #include "import/file_output.h"
 #include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
@@ -65,7 +66,7 @@ Json FrameJson(const std::string& positions, const FrameResult& result, const Po
   Json groups = Json::array();
   for (size_t g = 0; g * num_shapes < weights.size(); ++g) {
     const auto row = weights.subspan(g * num_shapes, num_shapes);
-    groups.push_back(Json(std::vector<double>(row.begin(), row.end())));
+    groups.push_back(Json(Vector<double>(row.begin(), row.end())));
   }
   return {{"positions", positions},
           {"blend_weights", groups},

@@ -1,6 +1,7 @@
 #include "cli/console.h"
 
 #include "cli/interrupt.h"
+#include "core/vector.h"
 
 #include <nlohmann/json.hpp>
 
@@ -47,7 +48,7 @@ void Console::Emit(const nlohmann::ordered_json& result) const {
   std::puts(Dump(result).c_str());
 }
 
-void Console::Warn(const std::vector<std::string>& warnings) const {
+void Console::Warn(const Vector<std::string>& warnings) const {
   for (const std::string& warning : warnings) {
     std::fprintf(stderr, "limber: warning: %s\n", OneLine(warning).c_str());
   }

@@ -3,11 +3,11 @@
 
 #include "cli/exit_code.h"
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <nlohmann/json_fwd.hpp>
 
 #include <string>
-#include <vector>
 
 namespace limber::cli {
 
@@ -21,7 +21,7 @@ class Console {
   // The result for machines; silent without --json.
   void Emit(const nlohmann::ordered_json& result) const;
   // One line each on stderr, after the work is done: a failure must stay one line.
-  void Warn(const std::vector<std::string>& warnings) const;
+  void Warn(const Vector<std::string>& warnings) const;
 
   // Says the failure, as one line on stderr or as {"error":{"code","message"}} with --json;
   // returns the exit code to end with. An interrupted run is reported as such.

@@ -1,5 +1,7 @@
 #include "cli/handle_file_names.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <set>
 
@@ -44,11 +46,11 @@ std::string LowerCase(std::string text) {
 
 }  // namespace
 
-std::vector<std::string> HandleFileNames(const std::vector<RigHandle>& handles) {
+Vector<std::string> HandleFileNames(const Vector<RigHandle>& handles) {
   std::set<std::string> taken;
-  std::vector<std::string> names;
+  Vector<std::string> names;
   for (size_t h = 0; h < handles.size(); ++h) {
-    std::string name = Plain(handles[h].name);
+    std::string name = Plain(std::string(handles[h].name));
     while (!taken.insert(LowerCase(name)).second)
       name += "_" + std::to_string(h);
     names.push_back(std::move(name));

@@ -2,6 +2,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/interrupt.h"
+#include "core/vector.h"
 
 #include <CLI/CLI.hpp>
 
@@ -11,7 +12,6 @@
 #include <exception>
 #include <new>
 #include <string>
-#include <vector>
 
 namespace limber::cli {
 namespace {
@@ -38,9 +38,9 @@ failure {"error":{"code","message"}}.
 Exit codes: 0 done, 1 the input does not allow it, 2 wrong usage, 3 no Vulkan device or screen,
 4 an error of Limber's own, 130 interrupted. After any but 0 no output is left half-written.)";
 
-std::vector<Command> AddCommands(CLI::App* app) {
-  std::vector<Command> commands = {AddPackCommand(app), AddBakeCommand(app), AddInfoCommand(app),
-                                   AddSolveCommand(app), AddBenchCommand(app)};
+Vector<Command> AddCommands(CLI::App* app) {
+  Vector<Command> commands = {AddPackCommand(app), AddBakeCommand(app), AddInfoCommand(app),
+                              AddSolveCommand(app), AddBenchCommand(app)};
 #ifdef LIMBER_WITH_VIEWER
   commands.push_back(AddRenderCommand(app));
   commands.push_back(AddInspectCommand(app));
@@ -52,14 +52,14 @@ std::vector<Command> AddCommands(CLI::App* app) {
 }
 
 // The deepest subcommand that was named, for the hint where to read on.
-std::string HelpCommand(const std::vector<Command>& commands) {
+std::string HelpCommand(const Vector<Command>& commands) {
   for (const Command& command : commands) {
     if (command.app->parsed()) return "limber " + command.app->get_name() + " --help";
   }
   return "limber --help";
 }
 
-ExitCode RunParsed(const std::vector<Command>& commands, const Console& console) {
+ExitCode RunParsed(const Vector<Command>& commands, const Console& console) {
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
     try {
@@ -85,7 +85,7 @@ int Main(int argc, char** argv) {
                              [](const char* word) { return std::strcmp(word, "--json") == 0; });
   app.add_flag("--json", console.json, "Machine-readable result on stdout");
   app.add_flag("-q,--quiet", console.quiet, "Nothing but errors");
-  const std::vector<Command> commands = AddCommands(&app);
+  const Vector<Command> commands = AddCommands(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,14 +1,15 @@
 #include "cli/obj_text.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cstdio>
-#include <vector>
 
 namespace limber::cli {
 
 std::string ObjText(const SkinMesh& mesh, const bake::SourceFaces& faces,
                     std::span<const Vec3> solve_positions) {
-  std::vector<Vec3> positions(std::max(mesh.num_source_vertices, faces.num_vertices));
+  Vector<Vec3> positions(std::max(mesh.num_source_vertices, faces.num_vertices));
   for (uint32_t d = 0; d < mesh.num_draw_vertices; ++d) {
     positions[mesh.source_vertex[d]] = solve_positions[mesh.solve_vertex[d]];
   }

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace limber::cli {
 
@@ -34,7 +34,7 @@ class OutputFolder {
 
   std::filesystem::path folder_, staging_;
   std::filesystem::path topmost_created_;  // removed again when nothing is published
-  std::vector<std::string> names_;
+  Vector<std::string> names_;
   bool owns_staging_ = false;
 };
 

@@ -1,5 +1,6 @@
 #include "cli/pose_run.h"
 
+#include "core/vector.h"
 #include "load/rig_loader.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ std::string KnownHandles(const Rig& rig) {
 
 // `place` names the frame, for messages; pinned: which handles are at the moment, kept up to date.
 Result<int> ResolveHandle(const Rig& rig, const bake::HandleInput& input, const std::string& place,
-                          std::vector<uint8_t>* pinned) {
+                          Vector<uint8_t>* pinned) {
   const std::string& name = input.handle;
   const int handle = rig.FindHandle(name);
   if (handle < 0) {
@@ -106,7 +107,7 @@ Result<PoseRun> LoadPoseRun(const GltfFile& baked, const PoseRunOptions& options
   if (!frames.ok()) return frames.status();
   PoseRun run;
   run.rig = std::move(*rig);
-  std::vector<uint8_t> pinned;
+  Vector<uint8_t> pinned;
   for (const RigHandle& handle : run.rig->tables().handles)
     pinned.push_back(handle.pinned ? 1 : 0);
   for (size_t i = 0; i < frames->size(); ++i) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/frames_file.h"
 #include "load/gltf_file.h"
 #include "rig/rig.h"
@@ -13,7 +14,6 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace limber::cli {
 
@@ -35,12 +35,12 @@ struct PoseRunOptions {
 };
 
 struct PoseFrame {
-  std::vector<std::pair<int, bake::HandleInput>> inputs;  // handle, what becomes of it
+  Vector<std::pair<int, bake::HandleInput>> inputs;  // handle, what becomes of it
 };
 
 struct PoseRun {
   std::shared_ptr<const Rig> rig;
-  std::vector<PoseFrame> frames;
+  Vector<PoseFrame> frames;
 };
 
 // Errors as of the loader and of the frames file; kInvalidArgument for a name that no handle has

@@ -1,5 +1,6 @@
 #include "geometry/bridges.h"
 
+#include "core/vector.h"
 #include "geometry/cotangent.h"
 #include "geometry/point_tree.h"
 #include "geometry/union_find.h"
@@ -21,15 +22,15 @@ constexpr int kMaxGrownParts = 2048;
 constexpr double kReach = 0.2;
 
 // Members of each component, largest component first, ties by the smallest member.
-std::vector<std::vector<int>> FindComponents(const SolveMesh& mesh) {
+Vector<Vector<int>> FindComponents(const SolveMesh& mesh) {
   const int num_vertices = mesh.num_vertices();
   UnionFind sets(num_vertices);
   for (const auto& triangle : mesh.triangles) {
     sets.Unite(triangle[0], triangle[1]);
     sets.Unite(triangle[0], triangle[2]);
   }
-  std::vector<int> component_of_root(static_cast<size_t>(num_vertices), -1);
-  std::vector<std::vector<int>> components;
+  Vector<int> component_of_root(static_cast<size_t>(num_vertices), -1);
+  Vector<Vector<int>> components;
   for (int v = 0; v < num_vertices; ++v) {
     int& component = component_of_root[sets.Find(v)];
     if (component < 0) {
@@ -51,17 +52,16 @@ int WantedBridges(size_t part_size) {
 // inside.
 class Connector {
  public:
-  Connector(const PointMatrix& points, const std::vector<std::vector<int>>& components,
-            double weight)
+  Connector(const PointMatrix& points, const Vector<Vector<int>>& components, double weight)
       : points_(points),
         components_(components),
         weight_(weight),
         nearest_(static_cast<size_t>(points.rows()), -1),
         squared_gap_(static_cast<size_t>(points.rows()), kInfinity) {}
 
-  std::vector<Bridge> Run() {
+  Vector<Bridge> Run() {
     const size_t num_grown = std::min<size_t>(components_.size(), kMaxGrownParts);
-    std::vector<int> outside(num_grown - 1);
+    Vector<int> outside(num_grown - 1);
     std::iota(outside.begin(), outside.end(), 1);
     Include(components_[0], outside);
     while (!outside.empty()) {
@@ -78,14 +78,14 @@ class Connector {
   }
 
  private:
-  double SmallestGap(const std::vector<int>& part) const {
+  double SmallestGap(const Vector<int>& part) const {
     double smallest = kInfinity;
     for (const int v : part)
       smallest = std::min(smallest, squared_gap_[v]);
     return smallest;
   }
 
-  void Include(const std::vector<int>& part, const std::vector<int>& outside) {
+  void Include(const Vector<int>& part, const Vector<int>& outside) {
     const PointTree tree(points_, part);
     for (const int other : outside) {
       for (const int v : components_[other]) {
@@ -95,7 +95,7 @@ class Connector {
   }
 
   void TieDust(size_t first) {
-    std::vector<int> body, dust(components_.size() - first);
+    Vector<int> body, dust(components_.size() - first);
     for (size_t c = 0; c < first; ++c) {
       body.insert(body.end(), components_[c].begin(), components_[c].end());
     }
@@ -106,8 +106,8 @@ class Connector {
   }
 
   // The part's vertices that lie close enough to the body to be tied to it.
-  std::vector<int> Candidates(const std::vector<int>& part, int wanted) const {
-    std::vector<int> sorted = part;
+  Vector<int> Candidates(const Vector<int>& part, int wanted) const {
+    Vector<int> sorted = part;
     std::stable_sort(sorted.begin(), sorted.end(),
                      [this](int a, int b) { return squared_gap_[a] < squared_gap_[b]; });
     Eigen::RowVector3d low = points_.row(part[0]), high = low;
@@ -124,10 +124,10 @@ class Connector {
   }
 
   // Farthest-point sampling of the candidates, from the one nearest to the body.
-  void AddBridges(const std::vector<int>& part) {
+  void AddBridges(const Vector<int>& part) {
     const int wanted = WantedBridges(part.size());
-    const std::vector<int> candidates = Candidates(part, wanted);
-    std::vector<double> spacing(candidates.size(), kInfinity);
+    const Vector<int> candidates = Candidates(part, wanted);
+    Vector<double> spacing(candidates.size(), kInfinity);
     size_t chosen = 0;
     for (int count = 0; count < wanted; ++count) {
       const int v = candidates[chosen];
@@ -143,18 +143,18 @@ class Connector {
   }
 
   const PointMatrix& points_;
-  const std::vector<std::vector<int>>& components_;
+  const Vector<Vector<int>>& components_;
   const double weight_;
-  std::vector<int> nearest_;
-  std::vector<double> squared_gap_;
-  std::vector<Bridge> bridges_;
+  Vector<int> nearest_;
+  Vector<double> squared_gap_;
+  Vector<Bridge> bridges_;
 };
 
 // The mean edge weight: a bridge then pulls like one ordinary edge of the surface. A handful of
 // them holds six degrees of freedom firmly, while the body's vertex at the other end, which has
 // about six edges of its own, hardly notices.
 double BridgeWeight(const SolveMesh& mesh) {
-  const std::vector<WeightedEdge> edges = CotangentEdges(mesh);
+  const Vector<WeightedEdge> edges = CotangentEdges(mesh);
   if (edges.empty()) return 1;
   double sum = 0;
   for (const WeightedEdge& edge : edges)
@@ -167,7 +167,7 @@ double BridgeWeight(const SolveMesh& mesh) {
 void ConnectComponents(SolveMesh* mesh) {
   mesh->bridges.clear();
   mesh->component.assign(static_cast<size_t>(mesh->num_vertices()), 0);
-  const std::vector<std::vector<int>> components = FindComponents(*mesh);
+  const Vector<Vector<int>> components = FindComponents(*mesh);
   mesh->num_components = static_cast<int>(components.size());
   for (size_t c = 0; c < components.size(); ++c) {
     for (const int v : components[c])

@@ -1,5 +1,7 @@
 #include "geometry/cotangent.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -42,8 +44,8 @@ bool Before(const WeightedEdge& a, const WeightedEdge& b) {
 
 }  // namespace
 
-std::vector<std::array<double, 3>> CornerCotangents(const SolveMesh& mesh) {
-  std::vector<std::array<double, 3>> cotangents;
+Vector<std::array<double, 3>> CornerCotangents(const SolveMesh& mesh) {
+  Vector<std::array<double, 3>> cotangents;
   cotangents.reserve(mesh.triangles.size());
   for (const auto& [a, b, c] : mesh.triangles) {
     const PointMatrix& points = mesh.shapes[0];
@@ -52,9 +54,9 @@ std::vector<std::array<double, 3>> CornerCotangents(const SolveMesh& mesh) {
   return cotangents;
 }
 
-std::vector<WeightedEdge> CotangentEdges(const SolveMesh& mesh) {
-  const std::vector<std::array<double, 3>> cotangents = CornerCotangents(mesh);
-  std::vector<WeightedEdge> edges;
+Vector<WeightedEdge> CotangentEdges(const SolveMesh& mesh) {
+  const Vector<std::array<double, 3>> cotangents = CornerCotangents(mesh);
+  Vector<WeightedEdge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int corner = 0; corner < 3; ++corner) {
@@ -84,7 +86,7 @@ std::vector<WeightedEdge> CotangentEdges(const SolveMesh& mesh) {
 }
 
 Eigen::SparseMatrix<double> CotangentLaplacian(const SolveMesh& mesh) {
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   const auto add = [&entries](int i, int j, double weight) {
     entries.emplace_back(i, j, -weight);
     entries.emplace_back(j, i, -weight);

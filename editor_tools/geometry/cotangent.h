@@ -1,19 +1,19 @@
 // Cotangent weights and lumped areas of the first shape; safe for zero-area triangles.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <array>
-#include <vector>
 
 namespace limber::geometry {
 
 // [triangles] cotangents at the three corners, of the first shape; finite for any triangle
 // (degenerate ones are clamped).
-std::vector<std::array<double, 3>> CornerCotangents(const SolveMesh& mesh);
+Vector<std::array<double, 3>> CornerCotangents(const SolveMesh& mesh);
 
 // An undirected edge i < j with its weight, half the sum of the opposite cotangents.
 struct WeightedEdge {
@@ -23,7 +23,7 @@ struct WeightedEdge {
 
 // The edges of the triangles (no bridges), sorted by i, then j; weights are clamped from below to
 // kSmallestEdgeWeight of the mean weight.
-std::vector<WeightedEdge> CotangentEdges(const SolveMesh& mesh);
+Vector<WeightedEdge> CotangentEdges(const SolveMesh& mesh);
 
 inline constexpr double kSmallestEdgeWeight = 1e-3;  // of the mean edge weight
 

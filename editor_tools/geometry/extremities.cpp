@@ -1,5 +1,6 @@
 #include "geometry/extremities.h"
 
+#include "core/vector.h"
 #include "geometry/geodesic.h"
 
 #include <Eigen/Core>
@@ -28,26 +29,26 @@ constexpr double kTipPreference = 2.5;
 // mouth or of a sleeve is far by the surface, yet of no use beside a handle outside.
 constexpr double kLargestDetour = 3;
 
-int Farthest(const std::vector<int>& candidates, const Eigen::VectorXd& distance) {
+int Farthest(const Vector<int>& candidates, const Eigen::VectorXd& distance) {
   return *std::max_element(candidates.begin(), candidates.end(),
                            [&](int a, int b) { return distance(a) < distance(b); });
 }
 
-std::vector<int> EligibleVertices(const SolveMesh& mesh) {
+Vector<int> EligibleVertices(const SolveMesh& mesh) {
   const auto num_vertices = static_cast<size_t>(mesh.num_vertices());
-  std::vector<bool> has_triangle(num_vertices, false);
+  Vector<bool> has_triangle(num_vertices, false);
   for (const std::array<int, 3>& triangle : mesh.triangles) {
     for (const int v : triangle)
       has_triangle[static_cast<size_t>(v)] = true;
   }
   const bool has_components = !mesh.component.empty();
-  std::vector<int> part_size(static_cast<size_t>(std::max(mesh.num_components, 1)), 0);
+  Vector<int> part_size(static_cast<size_t>(std::max(mesh.num_components, 1)), 0);
   const auto part = [&](size_t v) {
     return has_components ? static_cast<size_t>(mesh.component[v]) : 0;
   };
   for (size_t v = 0; v < num_vertices; ++v)
     ++part_size[part(v)];
-  std::vector<int> eligible;
+  Vector<int> eligible;
   for (size_t v = 0; v < num_vertices; ++v) {
     const bool is_large = part(v) == 0 || part_size[part(v)] >= kSmallestPart * mesh.num_vertices();
     if (has_triangle[v] && is_large) eligible.push_back(static_cast<int>(v));
@@ -61,10 +62,10 @@ struct Remoteness {
 };
 
 // Landmarks spread over the surface stand each for the vertices nearest to them.
-Remoteness MeasureRemoteness(const EdgeGraph& graph, const std::vector<int>& eligible) {
+Remoteness MeasureRemoteness(const EdgeGraph& graph, const Vector<int>& eligible) {
   Eigen::VectorXd spacing = Eigen::VectorXd::Constant(graph.num_vertices(), kInfinity);
-  std::vector<size_t> nearest(static_cast<size_t>(graph.num_vertices()), 0);
-  std::vector<Eigen::VectorXd> distances;
+  Vector<size_t> nearest(static_cast<size_t>(graph.num_vertices()), 0);
+  Vector<Eigen::VectorXd> distances;
   int landmark = eligible[0];
   while (distances.size() < kNumLandmarks) {
     distances.push_back(graph.Distances(std::array{landmark}));
@@ -115,10 +116,10 @@ bool PointsOutwards(const SolveMesh& mesh, int peak, const Eigen::VectorXd& dist
   return normal.dot(outwards) >= -0.2 * normal.norm() * outwards.norm();
 }
 
-std::vector<int> FindTips(const SolveMesh& mesh, const EdgeGraph& graph,
-                          const std::vector<int>& eligible, const Remoteness& remoteness) {
+Vector<int> FindTips(const SolveMesh& mesh, const EdgeGraph& graph, const Vector<int>& eligible,
+                     const Remoteness& remoteness) {
   const auto more_remote = [&](int a, int b) { return MoreRemote(remoteness.mean_distance, a, b); };
-  std::vector<int> peaks;
+  Vector<int> peaks;
   for (const int v : eligible) {
     const auto neighbours = graph.Neighbours(v);
     if (std::none_of(neighbours.begin(), neighbours.end(),
@@ -128,7 +129,7 @@ std::vector<int> FindTips(const SolveMesh& mesh, const EdgeGraph& graph,
   }
   std::sort(peaks.begin(), peaks.end(), more_remote);
   if (peaks.size() > kMaxTipCandidates) peaks.resize(kMaxTipCandidates);
-  std::vector<int> tips;
+  Vector<int> tips;
   for (const int peak : peaks) {
     const Eigen::VectorXd distance = graph.Distances(std::array{peak});
     const double radius = kTipRadius * remoteness.size;
@@ -149,13 +150,13 @@ Eigen::VectorXd SpreadDistance(const SolveMesh& mesh, const EdgeGraph& graph, in
 
 }  // namespace
 
-std::vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
-  std::vector<int> chosen;
-  const std::vector<int> eligible = EligibleVertices(mesh);
+Vector<int> SpreadPoints(const SolveMesh& mesh, int count) {
+  Vector<int> chosen;
+  const Vector<int> eligible = EligibleVertices(mesh);
   if (eligible.empty() || count < 1) return chosen;
   const EdgeGraph graph(mesh);
   const Remoteness remoteness = MeasureRemoteness(graph, eligible);
-  const std::vector<int> tips = FindTips(mesh, graph, eligible, remoteness);
+  const Vector<int> tips = FindTips(mesh, graph, eligible, remoteness);
 
   chosen.push_back(tips.empty() ? eligible[0] : tips[0]);
   Eigen::VectorXd spacing = SpreadDistance(mesh, graph, chosen[0]);

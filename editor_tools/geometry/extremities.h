@@ -1,9 +1,8 @@
 // Points spread over a surface, extremities first.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
-
-#include <vector>
 
 namespace limber::geometry {
 
@@ -14,6 +13,6 @@ namespace limber::geometry {
 // ordinary vertices. Only corners of triangles, and only on components that hold at least 2 % of
 // the vertices. Deterministic.
 // Fewer come back only where the surface has no more distinct points.
-std::vector<int> SpreadPoints(const SolveMesh& mesh, int count);
+Vector<int> SpreadPoints(const SolveMesh& mesh, int count);
 
 }  // namespace limber::geometry

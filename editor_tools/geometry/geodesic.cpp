@@ -1,5 +1,7 @@
 #include "geometry/geodesic.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -13,7 +15,7 @@
 namespace limber::geometry {
 
 EdgeGraph::EdgeGraph(const SolveMesh& mesh) {
-  std::vector<std::array<int, 2>> edges;
+  Vector<std::array<int, 2>> edges;
   edges.reserve(6 * mesh.triangles.size() + 2 * mesh.bridges.size());
   const auto add = [&edges](int a, int b) {
     edges.push_back({a, b});
@@ -43,7 +45,7 @@ Eigen::VectorXd EdgeGraph::Distances(std::span<const int> sources) const {
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(num_vertices(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::priority_queue<Entry, Vector<Entry>, std::greater<>> queue;
   for (const int source : sources) {
     distance(source) = 0;
     queue.emplace(0, source);
@@ -102,7 +104,7 @@ SurfaceDistance::SurfaceDistance(const SolveMesh& mesh, int shape)
   }
   for (size_t v = 1; v < first_.size(); ++v)
     first_[v] += first_[v - 1];
-  std::vector<int> next(first_.begin(), first_.end() - 1);
+  Vector<int> next(first_.begin(), first_.end() - 1);
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const int v : mesh.triangles[t])
       fan_[next[v]++] = static_cast<int>(t);
@@ -132,7 +134,7 @@ Eigen::VectorXd SurfaceDistance::From(int source) const {
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(points_.rows(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::priority_queue<Entry, Vector<Entry>, std::greater<>> queue;
   const auto reach = [&](int v, double through) {
     if (!(through < (1 - kLeastGain) * distance(v))) return;
     distance(v) = through;

@@ -1,13 +1,13 @@
 // Distances along the surface, bridges included: over its edges, and over its triangles.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace limber::geometry {
 
@@ -29,9 +29,9 @@ class EdgeGraph {
   }
 
  private:
-  std::vector<int> first_;  // V + 1 offsets into the two below
-  std::vector<int> neighbour_;
-  std::vector<double> length_;
+  Vector<int> first_;  // V + 1 offsets into the two below
+  Vector<int> neighbour_;
+  Vector<double> length_;
 };
 
 // Lengths of shortest paths through the triangles of any one of the shapes. From the distances of
@@ -62,10 +62,10 @@ class SurfaceDistance {
 
   const SolveMesh& mesh_;
   const PointMatrix& points_;
-  std::vector<FlatTriangle> flat_;         // [T]
-  std::vector<int> first_;                 // V + 1 offsets into the next
-  std::vector<int> fan_;                   // triangles at each vertex, ascending
-  std::vector<std::vector<int>> bridged_;  // other ends of the bridges at each vertex
+  Vector<FlatTriangle> flat_;    // [T]
+  Vector<int> first_;            // V + 1 offsets into the next
+  Vector<int> fan_;              // triangles at each vertex, ascending
+  Vector<Vector<int>> bridged_;  // other ends of the bridges at each vertex
 };
 
 }  // namespace limber::geometry

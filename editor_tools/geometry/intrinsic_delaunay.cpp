@@ -1,7 +1,8 @@
 #include "geometry/intrinsic_delaunay.h"
 
+#include "core/vector.h"
+
 #include <cmath>
-#include <vector>
 
 namespace limber::geometry {
 namespace {
@@ -46,9 +47,9 @@ class EdgeQueue {
   }
 
  private:
-  const std::vector<int>& twin_;
-  std::vector<char> queued_;
-  std::vector<int> ring_;
+  const Vector<int>& twin_;
+  Vector<char> queued_;
+  Vector<int> ring_;
   size_t first_ = 0, count_ = 0;
 };
 

@@ -1,7 +1,7 @@
 // A closed triangulation known by its edge lengths alone: no vertex has a position.
 #pragma once
 
-#include <vector>
+#include "core/vector.h"
 
 namespace limber::geometry {
 
@@ -11,9 +11,9 @@ namespace limber::geometry {
 // only: an edge may join a vertex to itself, two vertices may share several edges, two faces
 // several sides, and the faces at a vertex may form several fans.
 struct IntrinsicTriangulation {
-  std::vector<int> tail;       // [3 F] the vertex that the halfedge leaves
-  std::vector<int> twin;       // [3 F] the same edge seen from the neighbour, other direction
-  std::vector<double> length;  // [3 F] > 0, equal for twins
+  Vector<int> tail;       // [3 F] the vertex that the halfedge leaves
+  Vector<int> twin;       // [3 F] the same edge seen from the neighbour, other direction
+  Vector<double> length;  // [3 F] > 0, equal for twins
 
   int num_halfedges() const { return static_cast<int>(tail.size()); }
 };

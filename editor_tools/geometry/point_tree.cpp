@@ -1,5 +1,7 @@
 #include "geometry/point_tree.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -16,13 +18,13 @@ double SquaredDistanceToBox(const Eigen::Vector3d& x, const Eigen::Vector3d& low
 
 }  // namespace
 
-std::vector<int> AllIndices(int count) {
-  std::vector<int> indices(static_cast<size_t>(count));
+Vector<int> AllIndices(int count) {
+  Vector<int> indices(static_cast<size_t>(count));
   std::iota(indices.begin(), indices.end(), 0);
   return indices;
 }
 
-PointTree::PointTree(const PointMatrix& points, std::vector<int> indices)
+PointTree::PointTree(const PointMatrix& points, Vector<int> indices)
     : points_(points),
       indices_(std::move(indices)) {
   if (indices_.empty()) return;

@@ -1,21 +1,20 @@
 // A kd-tree over some of the points of a mesh, for nearest-point queries.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace limber::geometry {
 
 // 0, 1, ... count - 1: a tree over all the points.
-std::vector<int> AllIndices(int count);
+Vector<int> AllIndices(int count);
 
 class PointTree {
  public:
   // Over the rows `indices` of `points`; `points` must outlive the tree.
-  PointTree(const PointMatrix& points, std::vector<int> indices);
+  PointTree(const PointMatrix& points, Vector<int> indices);
 
   // Lowers *squared_distance and sets *nearest (a row of `points`) if some point is strictly nearer
   // to x than *squared_distance, or as near and of a smaller index than a *nearest >= 0: the answer
@@ -34,8 +33,8 @@ class PointTree {
              int* nearest) const;
 
   const PointMatrix& points_;
-  std::vector<int> indices_;
-  std::vector<Node> nodes_;
+  Vector<int> indices_;
+  Vector<Node> nodes_;
 };
 
 }  // namespace limber::geometry

@@ -1,5 +1,6 @@
 #include "geometry/robust_laplacian.h"
 
+#include "core/vector.h"
 #include "geometry/cotangent.h"
 #include "geometry/intrinsic_delaunay.h"
 #include "geometry/tufted_cover.h"
@@ -8,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace limber::geometry {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 constexpr double kSmallestArea = 1e-4;                         // of the mean vertex area
 constexpr int64_t kFlipsPerEdge = 64, kFlipsAtLeast = 100000;  // that are enough
 
-std::vector<std::array<int, 3>> UsableTriangles(const SolveMesh& mesh) {
-  std::vector<std::array<int, 3>> usable;
+Vector<std::array<int, 3>> UsableTriangles(const SolveMesh& mesh) {
+  Vector<std::array<int, 3>> usable;
   usable.reserve(mesh.triangles.size());
   for (const auto& triangle : mesh.triangles) {
     const auto [a, b, c] = triangle;
@@ -30,9 +30,9 @@ std::vector<std::array<int, 3>> UsableTriangles(const SolveMesh& mesh) {
 
 // The edges of the cover that join different vertices, each with its share of the Laplacian; adds
 // their part of the Voronoi cells to `areas`.
-std::vector<WeightedEdge> EdgesOfCover(const IntrinsicTriangulation& cover, double unit,
-                                       Eigen::VectorXd* areas) {
-  std::vector<WeightedEdge> edges;
+Vector<WeightedEdge> EdgesOfCover(const IntrinsicTriangulation& cover, double unit,
+                                  Eigen::VectorXd* areas) {
+  Vector<WeightedEdge> edges;
   edges.reserve(cover.tail.size() / 2);
   for (int h = 0; h < cover.num_halfedges(); ++h) {
     const int g = cover.twin[h];
@@ -49,7 +49,7 @@ std::vector<WeightedEdge> EdgesOfCover(const IntrinsicTriangulation& cover, doub
 }
 
 // Raises the weights at each vertex that is held by less than kSmallestHold.
-void HoldTips(int num_vertices, std::vector<WeightedEdge>* edges) {
+void HoldTips(int num_vertices, Vector<WeightedEdge>* edges) {
   Eigen::VectorXd hold = Eigen::VectorXd::Zero(num_vertices);
   for (const WeightedEdge& edge : *edges) {
     hold(edge.i) += edge.weight;
@@ -61,8 +61,8 @@ void HoldTips(int num_vertices, std::vector<WeightedEdge>* edges) {
   }
 }
 
-Eigen::SparseMatrix<double> Assemble(int num_vertices, const std::vector<WeightedEdge>& edges) {
-  std::vector<Eigen::Triplet<double>> entries;
+Eigen::SparseMatrix<double> Assemble(int num_vertices, const Vector<WeightedEdge>& edges) {
+  Vector<Eigen::Triplet<double>> entries;
   entries.reserve(2 * edges.size() + static_cast<size_t>(num_vertices));
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(num_vertices);
   for (const auto& [i, j, weight] : edges) {
@@ -89,9 +89,9 @@ Eigen::VectorXd PositiveAreas(const Eigen::VectorXd& areas) {
 
 RobustLaplacian MakeRobustLaplacian(const SolveMesh& mesh, int64_t max_flips) {
   RobustLaplacian result;
-  const std::vector<std::array<int, 3>> triangles = UsableTriangles(mesh);
+  const Vector<std::array<int, 3>> triangles = UsableTriangles(mesh);
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.num_vertices());
-  std::vector<WeightedEdge> edges;
+  Vector<WeightedEdge> edges;
   if (!triangles.empty()) {
     const SideLengths lengths = MollifiedLengths(mesh.shapes[0], triangles);
     IntrinsicTriangulation cover = TuftedCover(mesh.shapes[0], triangles, lengths);

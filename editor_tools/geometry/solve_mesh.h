@@ -2,11 +2,12 @@
 // and deform). Plain data; made by WeldMesh (weld.h) and ConnectComponents (bridges.h).
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace limber::geometry {
 
@@ -20,12 +21,12 @@ struct Bridge {
 };
 
 struct SolveMesh {
-  std::vector<PointMatrix> shapes;            // S of V x 3
-  std::vector<std::array<int, 3>> triangles;  // solve vertices; none repeats a corner
-  std::vector<uint32_t> solve_vertex;         // draw vertex -> solve vertex
-  std::vector<int> component;                 // [V], 0 is the largest component
+  Vector<PointMatrix> shapes;            // S of V x 3
+  Vector<std::array<int, 3>> triangles;  // solve vertices; none repeats a corner
+  Vector<uint32_t> solve_vertex;         // draw vertex -> solve vertex
+  Vector<int> component;                 // [V], 0 is the largest component
   int num_components = 0;
-  std::vector<Bridge> bridges;
+  Vector<Bridge> bridges;
 
   int num_vertices() const { return shapes.empty() ? 0 : static_cast<int>(shapes[0].rows()); }
 

@@ -1,5 +1,7 @@
 #include "geometry/tufted_cover.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -22,8 +24,8 @@ bool SameEdge(const Side& a, const Side& b) {
   return a.low == b.low && a.high == b.high;
 }
 
-std::vector<Side> SidesByEdge(std::span<const Triangle> triangles) {
-  std::vector<Side> sides;
+Vector<Side> SidesByEdge(std::span<const Triangle> triangles) {
+  Vector<Side> sides;
   sides.reserve(3 * triangles.size());
   for (size_t t = 0; t < triangles.size(); ++t) {
     for (int i = 0; i < 3; ++i) {
@@ -80,7 +82,7 @@ class AroundEdge {
 
   const PointMatrix& points_;
   std::span<const Triangle> triangles_;
-  std::vector<Place> places_;
+  Vector<Place> places_;
 };
 
 // Halfedges of the cover over one side: the front goes around the triangle as it is wound, the back
@@ -131,7 +133,7 @@ IntrinsicTriangulation TuftedCover(const PointMatrix& points, std::span<const Tr
   cover.tail.resize(6 * triangles.size());
   cover.twin.resize(6 * triangles.size());
   cover.length.resize(6 * triangles.size());
-  std::vector<Side> sides = SidesByEdge(triangles);
+  Vector<Side> sides = SidesByEdge(triangles);
   for (const Side& side : sides) {
     const Triangle& triangle = triangles[side.triangle];
     const int front = FrontHalfedge(side), back = BackHalfedge(side);

@@ -2,12 +2,12 @@
 // triangles.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/intrinsic_triangulation.h"
 #include "geometry/solve_mesh.h"
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace limber::geometry {
 
@@ -19,7 +19,7 @@ inline constexpr double kMollification = 1e-5;
 // inequality by kMollification (the intrinsic mollification of Sharp and Crane 2020): nothing
 // changes where no triangle is a needle or a cap, and none has a zero side or zero area afterwards.
 struct SideLengths {
-  std::vector<std::array<double, 3>> sides;
+  Vector<std::array<double, 3>> sides;
   double unit = 1;  // the mean, mesh units; one where it is zero, and then all sides are equal
 };
 

@@ -2,9 +2,10 @@
 // results do not depend on the order of the unions.
 #pragma once
 
+#include "core/vector.h"
+
 #include <numeric>
 #include <utility>
-#include <vector>
 
 namespace limber::geometry {
 
@@ -30,7 +31,7 @@ class UnionFind {
   }
 
  private:
-  std::vector<int> parent_;
+  Vector<int> parent_;
 };
 
 }  // namespace limber::geometry

@@ -1,5 +1,6 @@
 #include "geometry/weld.h"
 
+#include "core/vector.h"
 #include "geometry/union_find.h"
 
 #include <algorithm>
@@ -36,11 +37,10 @@ bool Coincide(std::span<const PointMatrix> shapes, int a, int b, double toleranc
 }
 
 // Unites vertices that are bitwise equal in every shape; returns one of each set.
-std::vector<int> UniteIdentical(std::span<const PointMatrix> shapes, int num_vertices,
-                                UnionFind* sets) {
+Vector<int> UniteIdentical(std::span<const PointMatrix> shapes, int num_vertices, UnionFind* sets) {
   std::unordered_multimap<uint64_t, int> seen;
   seen.reserve(static_cast<size_t>(num_vertices));
-  std::vector<int> distinct;
+  Vector<int> distinct;
   for (int v = 0; v < num_vertices; ++v) {
     uint64_t hash = 0;
     for (const PointMatrix& shape : shapes) {
@@ -92,7 +92,7 @@ int64_t CellIndex(double x, double cell_size) {
   return std::isnan(index) ? 0 : static_cast<int64_t>(std::clamp(index, -kLimit, kLimit));
 }
 
-using Grid = std::unordered_map<Cell, std::vector<int>, CellHash>;
+using Grid = std::unordered_map<Cell, Vector<int>, CellHash>;
 
 // Calls visit(vertex) for every vertex in the cell and in the 26 around it.
 template <class Visitor>
@@ -107,7 +107,7 @@ void VisitNear(const Grid& grid, const Cell& cell, Visitor&& visit) {
 }
 
 // Unites all pairs within the tolerance; a grid over the mix of shapes offers the candidates.
-void UniteCoincident(std::span<const PointMatrix> shapes, const std::vector<int>& candidates,
+void UniteCoincident(std::span<const PointMatrix> shapes, const Vector<int>& candidates,
                      double tolerance, UnionFind* sets) {
   const PointMatrix mix = MixShapes(shapes);
   // A hair larger than the tolerance: the mix is rounded.
@@ -134,12 +134,12 @@ SolveMesh WeldMesh(std::span<const PointMatrix> shapes, std::span<const uint32_t
   if (shapes.empty()) return mesh;
   const int num_draw = static_cast<int>(shapes[0].rows());
   UnionFind sets(num_draw);
-  const std::vector<int> distinct = UniteIdentical(shapes, num_draw, &sets);
+  const Vector<int> distinct = UniteIdentical(shapes, num_draw, &sets);
   if (tolerance > 0) UniteCoincident(shapes, distinct, tolerance, &sets);
 
   // A set's root is its first draw vertex, so that roots appear in the order of the numbering.
   mesh.solve_vertex.resize(static_cast<size_t>(num_draw));
-  std::vector<int> first_draw;
+  Vector<int> first_draw;
   for (int v = 0; v < num_draw; ++v) {
     const int root = sets.Find(v);
     if (root == v) {

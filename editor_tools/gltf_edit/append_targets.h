@@ -2,24 +2,24 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "gltf_edit/gltf_patch.h"
 #include "load/gltf_file.h"
 
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
 // Displacements of the vertices of one primitive, three numbers a vertex.
 struct TargetOffsets {
-  std::vector<float> positions;
-  std::vector<float> normals;  // or empty
+  Vector<float> positions;
+  Vector<float> normals;  // or empty
 };
 
 struct NewTarget {
   std::string name;
-  std::vector<TargetOffsets> primitives;  // one for each primitive of the mesh
+  Vector<TargetOffsets> primitives;  // one for each primitive of the mesh
 };
 
 // Appends the targets to every primitive of meshes[mesh], after those that are there; a primitive

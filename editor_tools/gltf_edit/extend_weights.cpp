@@ -1,6 +1,7 @@
 #include "gltf_edit/extend_weights.h"
 
 #include "clips/animation_channels.h"
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 
 #include <nlohmann/json.hpp>
@@ -11,7 +12,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -33,8 +33,8 @@ Status ExtendList(const TargetCounts& counts, const std::string& place, Json* ow
 }
 
 // Each `old_targets` numbers are followed by zeros: the value of a keyframe, and its tangents.
-std::vector<float> WithZeros(const std::vector<float>& numbers, const TargetCounts& counts) {
-  std::vector<float> extended;
+Vector<float> WithZeros(const Vector<float>& numbers, const TargetCounts& counts) {
+  Vector<float> extended;
   extended.reserve(numbers.size() / counts.old_targets * (counts.old_targets + counts.new_targets));
   for (size_t first = 0; first < numbers.size(); first += counts.old_targets) {
     const auto row = numbers.begin() + static_cast<ptrdiff_t>(first);
@@ -64,7 +64,7 @@ class WeightAnimations {
 
   Status Extend() {
     for (size_t a = 0; a < NumAnimations(source_); ++a) {
-      const Result<std::vector<AnimationChannel>> channels = ReadAnimationChannels(source_, a);
+      const Result<Vector<AnimationChannel>> channels = ReadAnimationChannels(source_, a);
       if (!channels.ok()) return channels.status();
       LIMBER_RETURN_IF_ERROR(ReadOutputs(*channels));
       SplitSamplers(a, *channels);
@@ -92,7 +92,7 @@ class WeightAnimations {
            IsOfMesh(static_cast<int>(*node));
   }
 
-  Status ReadOutputs(const std::vector<AnimationChannel>& channels) {
+  Status ReadOutputs(const Vector<AnimationChannel>& channels) {
     for (const AnimationChannel& channel : channels) {
       if (!MovesWeights(channel)) continue;
       if (counts_.old_targets == 0) {
@@ -107,7 +107,7 @@ class WeightAnimations {
       request.expected_count = rows * static_cast<int64_t>(counts_.old_targets);
       const bool is_known = outputs_.contains(channel.output);
       if (is_known && AccessorCount(source_, channel.output) == request.expected_count) continue;
-      const Result<std::vector<float>> numbers = ReadFloats(source_, request);
+      const Result<Vector<float>> numbers = ReadFloats(source_, request);
       if (!numbers.ok()) return numbers.status();
       outputs_[channel.output] = WithZeros(*numbers, counts_);
     }
@@ -115,7 +115,7 @@ class WeightAnimations {
   }
 
   // Notes the samplers that get longer outputs, a copy of those that others need as they are.
-  void SplitSamplers(size_t animation, const std::vector<AnimationChannel>& channels) {
+  void SplitSamplers(size_t animation, const Vector<AnimationChannel>& channels) {
     std::set<size_t> shared;
     for (const AnimationChannel& channel : channels) {
       if (!MovesWeights(channel)) shared.insert(channel.sampler);
@@ -141,7 +141,7 @@ class WeightAnimations {
 
   // Unlinked first, so that outputs that nobody needs any more make room.
   void ReplaceOutputs() {
-    std::vector<size_t> old_outputs;
+    Vector<size_t> old_outputs;
     for (const SamplerPlace& place : samplers_)
       SamplerOf(place).erase("output");
     for (const auto& [output, numbers] : outputs_)
@@ -162,8 +162,8 @@ class WeightAnimations {
   const int mesh_;
   const TargetCounts counts_;
   GltfPatch& patch_;
-  std::map<int, std::vector<float>> outputs_;  // accessor of the source -> its longer numbers
-  std::vector<SamplerPlace> samplers_;
+  std::map<int, Vector<float>> outputs_;  // accessor of the source -> its longer numbers
+  Vector<SamplerPlace> samplers_;
 };
 
 }  // namespace

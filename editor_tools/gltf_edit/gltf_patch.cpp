@@ -1,5 +1,6 @@
 #include "gltf_edit/gltf_patch.h"
 
+#include "core/vector.h"
 #include "import/file_output.h"
 #include "load/uri.h"
 #include "rig/rig_fields.h"
@@ -10,6 +11,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -25,7 +27,7 @@ size_t Size(const Json& json, const char* section) {
   return it == json.end() || !it->is_array() ? kNoSize : it->size();
 }
 
-void PadToFour(std::vector<uint8_t>* bytes) {
+void PadToFour(Vector<uint8_t>* bytes) {
   bytes->resize((bytes->size() + 3) / 4 * 4, 0);
 }
 
@@ -82,7 +84,7 @@ Result<GltfPatch> GltfPatch::Begin(const GltfFile& file) {
 }
 
 Status GltfPatch::GatherBuffers(const GltfFile& file) {
-  std::vector<size_t> offsets;
+  Vector<size_t> offsets;
   for (size_t b = 0; b < Size(*json_, "buffers"); ++b) {
     PadToFour(&bin_);
     offsets.push_back(bin_.size());
@@ -172,8 +174,8 @@ bool GltfPatch::IsBufferViewUsed(size_t view) const {
          });
 }
 
-void GltfPatch::RemoveAccessors(const std::vector<size_t>& accessors) {
-  std::vector<size_t> views;
+void GltfPatch::RemoveAccessors(const Vector<size_t>& accessors) {
+  Vector<size_t> views;
   for (const size_t accessor : accessors) {
     if (accessor >= Size(*json_, "accessors") || IsAccessorUsed(accessor)) continue;
     if (std::count(free_accessors_.begin(), free_accessors_.end(), accessor) > 0) continue;
@@ -194,7 +196,7 @@ void GltfPatch::RemoveAccessors(const std::vector<size_t>& accessors) {
 }
 
 // Cuts the views' bytes out of the binary data, unless another view overlaps them.
-void GltfPatch::RemoveBytes(const std::vector<size_t>& views) {
+void GltfPatch::RemoveBytes(const Vector<size_t>& views) {
   struct Range {
     size_t begin, end;
   };
@@ -204,7 +206,7 @@ void GltfPatch::RemoveBytes(const std::vector<size_t>& views) {
     const size_t begin = all[view].value("byteOffset", size_t{0});
     return Range{begin, begin + all[view]["byteLength"].get<size_t>()};
   };
-  std::vector<Range> cuts;
+  Vector<Range> cuts;
   for (const size_t view : views) {
     Range cut = range_of(view);
     // Only whole words, so that what follows stays aligned; padding goes with its view.
@@ -327,7 +329,7 @@ void GltfPatch::FillGaps() {
   free_views_.clear();
 }
 
-Result<std::vector<uint8_t>> GltfPatch::Finish(bool as_glb) {
+Result<Vector<uint8_t>> GltfPatch::Finish(bool as_glb) {
   FillGaps();
   PadToFour(&bin_);
   const uint64_t most = GltfLimits().max_buffer_bytes;
@@ -341,7 +343,7 @@ Result<std::vector<uint8_t>> GltfPatch::Finish(bool as_glb) {
     if (as_glb) return AssembleGlb(json_->dump(), bin_);
     (*json_)["buffers"][0]["uri"] = "data:application/octet-stream;base64," + EncodeBase64(bin_);
     const std::string text = json_->dump(2) + "\n";
-    return std::vector<uint8_t>(text.begin(), text.end());
+    return Vector<uint8_t>(text.begin(), text.end());
   } catch (const std::exception& error) {
     return Status(StatusCode::kInternal, std::string("JSON: ") + error.what());
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +12,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -30,7 +30,7 @@ class GltfPatch {
 
   // Takes accessors out of the file with the data that only they use. Those that something else
   // still refers to stay, so unlink them first. Their numbers are given to new accessors.
-  void RemoveAccessors(const std::vector<size_t>& accessors);
+  void RemoveAccessors(const Vector<size_t>& accessors);
 
   // Appends numbers as an accessor of `components` floats an element (1: SCALAR, 4: VEC4); returns
   // its index. `vertex_attribute` says what the bufferView is for.
@@ -50,7 +50,7 @@ class GltfPatch {
 
   // Closes gaps and returns the whole file as a GLB, or as a .gltf with its data inside. Errors:
   // kLimitExceeded; without a file's name.
-  Result<std::vector<uint8_t>> Finish(bool as_glb);
+  Result<Vector<uint8_t>> Finish(bool as_glb);
 
  private:
   GltfPatch();
@@ -60,12 +60,12 @@ class GltfPatch {
   size_t AddAccessor(nlohmann::ordered_json accessor);
   bool IsAccessorUsed(size_t accessor) const;
   bool IsBufferViewUsed(size_t view) const;
-  void RemoveBytes(const std::vector<size_t>& views);
+  void RemoveBytes(const Vector<size_t>& views);
   void FillGaps();
 
   std::unique_ptr<nlohmann::ordered_json> json_;
-  std::vector<uint8_t> bin_;
-  std::vector<size_t> free_accessors_, free_views_;  // descending, so that the lowest goes first
+  Vector<uint8_t> bin_;
+  Vector<size_t> free_accessors_, free_views_;  // descending, so that the lowest goes first
 };
 
 }  // namespace limber::bake

@@ -1,5 +1,6 @@
 #include "import/file_output.h"
 
+#include "core/vector.h"
 #include "load/glb_container.h"
 
 #include <fcntl.h>
@@ -14,7 +15,7 @@
 namespace limber::bake {
 namespace {
 
-void AppendU32(uint64_t value, std::vector<uint8_t>* bytes) {
+void AppendU32(uint64_t value, Vector<uint8_t>* bytes) {
   for (int shift = 0; shift < 32; shift += 8)
     bytes->push_back(static_cast<uint8_t>(value >> shift));
 }
@@ -48,14 +49,14 @@ Status WriteAll(int descriptor, std::span<const uint8_t> bytes) {
 
 }  // namespace
 
-Result<std::vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const uint8_t> bin) {
+Result<Vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const uint8_t> bin) {
   const uint64_t json_bytes = Padded(json.size()), bin_bytes = Padded(bin.size());
   const uint64_t total = 12 + 8 + json_bytes + (bin.empty() ? 0 : 8 + bin_bytes);
   if (total > std::numeric_limits<uint32_t>::max()) {
     return Error(StatusCode::kLimitExceeded, "%llu bytes do not fit a GLB, whose limit is 4 GiB",
                  static_cast<unsigned long long>(total));
   }
-  std::vector<uint8_t> bytes;
+  Vector<uint8_t> bytes;
   bytes.reserve(total);
   AppendU32(kGlbMagic, &bytes);
   AppendU32(2, &bytes);

@@ -2,18 +2,18 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace limber::bake {
 
 // Header, JSON chunk (padded with spaces) and, unless it is empty, a binary chunk (padded with
 // zeros). Errors: kLimitExceeded beyond GLB's 4 GiB.
-Result<std::vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const uint8_t> bin);
+Result<Vector<uint8_t>> AssembleGlb(std::string_view json, std::span<const uint8_t> bin);
 
 // Whether WriteFileAtomically could write there now: its folder exists, takes a file beside `path`
 // (one is made and removed), and `path` is no folder. Errors: kIoError, beginning with the path.

@@ -1,5 +1,6 @@
 #include "import/frames_file.h"
 
+#include "core/vector.h"
 #include "import/json_input.h"
 
 #include <nlohmann/json.hpp>
@@ -109,7 +110,7 @@ Result<FrameInput> ReadFrame(const Json& frame, const std::string& place) {
 
 }  // namespace
 
-Result<std::vector<FrameInput>> ParseFrames(std::string_view text, const std::string& name) {
+Result<Vector<FrameInput>> ParseFrames(std::string_view text, const std::string& name) {
   Result<Json> root = ParseInput(text, name);
   if (!root.ok()) return root.status();
   LIMBER_RETURN_IF_ERROR(CheckMembers(*root, "the root", {"frames"}).WithContext(name));
@@ -118,7 +119,7 @@ Result<std::vector<FrameInput>> ParseFrames(std::string_view text, const std::st
     return Error(StatusCode::kMalformed, "%s: frames: a list of one frame or more is needed",
                  name.c_str());
   }
-  std::vector<FrameInput> result;
+  Vector<FrameInput> result;
   for (size_t f = 0; f < frames->size(); ++f) {
     Result<FrameInput> frame = ReadFrame((*frames)[f], "frames[" + std::to_string(f) + "]");
     if (!frame.ok()) return frame.status().WithContext(name);
@@ -127,7 +128,7 @@ Result<std::vector<FrameInput>> ParseFrames(std::string_view text, const std::st
   return result;
 }
 
-Result<std::vector<FrameInput>> ReadFramesFile(const std::filesystem::path& path) {
+Result<Vector<FrameInput>> ReadFramesFile(const std::filesystem::path& path) {
   Result<std::string> text = ReadTextFile(path);
   if (!text.ok()) return text.status();
   return ParseFrames(*text, path.string());

@@ -10,12 +10,12 @@
 #include "core/quaternion.h"
 #include "core/status.h"
 #include "core/vec3.h"
+#include "core/vector.h"
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace limber::bake {
 
@@ -33,11 +33,11 @@ struct HandleInput {
 // In the order in which they take effect: pins, stiffnesses, weights, targets, rotations. A handle
 // that a frame does not mention stays as it was. Whether the names exist is checked later, against
 // the rig.
-using FrameInput = std::vector<HandleInput>;
+using FrameInput = Vector<HandleInput>;
 
 // Errors, naming file, frame and handle: kNotFound, kIoError, kMalformed (not JSON, unknown
 // members, wrong types, numbers that are not finite or beyond 1e15, no frame).
-Result<std::vector<FrameInput>> ReadFramesFile(const std::filesystem::path& path);
-Result<std::vector<FrameInput>> ParseFrames(std::string_view text, const std::string& name);
+Result<Vector<FrameInput>> ReadFramesFile(const std::filesystem::path& path);
+Result<Vector<FrameInput>> ParseFrames(std::string_view text, const std::string& name);
 
 }  // namespace limber::bake

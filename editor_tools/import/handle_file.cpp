@@ -1,5 +1,6 @@
 #include "import/handle_file.h"
 
+#include "core/vector.h"
 #include "import/json_input.h"
 
 #include <nlohmann/json.hpp>
@@ -56,7 +57,7 @@ Result<HandleSpec> ReadHandle(const Json& entry, const std::string& place) {
 
 }  // namespace
 
-Result<std::vector<HandleSpec>> ParseHandles(std::string_view text, const std::string& name) {
+Result<Vector<HandleSpec>> ParseHandles(std::string_view text, const std::string& name) {
   Result<Json> root = ParseInput(text, name);
   if (!root.ok()) return root.status();
   LIMBER_RETURN_IF_ERROR(CheckMembers(*root, "the root", {"handles"}).WithContext(name));
@@ -67,7 +68,7 @@ Result<std::vector<HandleSpec>> ParseHandles(std::string_view text, const std::s
   if (handles->empty()) {
     return Error(StatusCode::kNoHandles, "%s: handles: the list is empty", name.c_str());
   }
-  std::vector<HandleSpec> specs;
+  Vector<HandleSpec> specs;
   for (size_t i = 0; i < handles->size(); ++i) {
     Result<HandleSpec> spec = ReadHandle((*handles)[i], "handles[" + std::to_string(i) + "]");
     if (!spec.ok()) return spec.status().WithContext(name);
@@ -76,7 +77,7 @@ Result<std::vector<HandleSpec>> ParseHandles(std::string_view text, const std::s
   return specs;
 }
 
-Result<std::vector<HandleSpec>> ReadHandleFile(const std::filesystem::path& path) {
+Result<Vector<HandleSpec>> ReadHandleFile(const std::filesystem::path& path) {
   Result<std::string> text = ReadTextFile(path);
   if (!text.ok()) return text.status();
   return ParseHandles(*text, path.string());

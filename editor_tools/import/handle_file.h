@@ -4,11 +4,11 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/handle_spec.h"
 
 #include <filesystem>
 #include <string_view>
-#include <vector>
 
 namespace limber::bake {
 
@@ -16,7 +16,7 @@ namespace limber::bake {
 // exist is checked later, against the mesh. Errors, naming file and element: kNotFound, kIoError,
 // kMalformed (not JSON, an unknown member, a wrong type, both or neither of vertex and position),
 // kNoHandles (an empty list).
-Result<std::vector<HandleSpec>> ReadHandleFile(const std::filesystem::path& path);
-Result<std::vector<HandleSpec>> ParseHandles(std::string_view text, const std::string& name);
+Result<Vector<HandleSpec>> ReadHandleFile(const std::filesystem::path& path);
+Result<Vector<HandleSpec>> ParseHandles(std::string_view text, const std::string& name);
 
 }  // namespace limber::bake

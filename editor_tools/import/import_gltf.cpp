@@ -1,6 +1,7 @@
 #include "import/import_gltf.h"
 
 #include "clips/node_transforms.h"
+#include "core/vector.h"
 #include "import/mesh_node.h"
 #include "import/vertex_stiffness.h"
 #include "load/gltf_mesh.h"
@@ -39,8 +40,8 @@ bool HasTargets(const GltfFile& file, const Json& node) {
 
 Result<int> FindMeshNode(const GltfFile& file, const std::string& wanted) {
   if (!wanted.empty()) return FindNamedMeshNode(file, wanted);
-  const std::vector<size_t> with_mesh = MeshNodes(file);
-  std::vector<size_t> candidates;
+  const Vector<size_t> with_mesh = MeshNodes(file);
+  Vector<size_t> candidates;
   for (const size_t n : with_mesh) {
     if (HasTargets(file, Nodes(file)[n])) candidates.push_back(n);
   }
@@ -123,7 +124,7 @@ Result<std::optional<HandleSpec>> ReadMark(const GltfFile& file, size_t n) {
 
 Status ReadMarks(const GltfFile& file, RawCharacter* raw) {
   const Json& nodes = Nodes(file);
-  std::vector<Eigen::Matrix4d> world;
+  Vector<Eigen::Matrix4d> world;
   Eigen::Matrix4d to_mesh = Eigen::Matrix4d::Identity();
   for (size_t n = 0; n < nodes.size(); ++n) {
     Result<std::optional<HandleSpec>> spec = ReadMark(file, n);
@@ -170,7 +171,7 @@ Result<RawCharacter> ImportGltf(const GltfFile& file, const ImportOptions& optio
   raw.mesh = json["mesh"].get<int>();
   Result<GltfMorphMesh> mesh = ReadMorphMesh(file, raw.mesh);
   if (!mesh.ok()) return mesh.status();
-  Result<std::vector<float>> stiffness = ReadVertexStiffness(file, *mesh, options.stiffness);
+  Result<Vector<float>> stiffness = ReadVertexStiffness(file, *mesh, options.stiffness);
   if (!stiffness.ok()) return stiffness.status().WithContext(file.name());
   raw.stiffness = std::move(stiffness).value();
   raw.name = json.value("name", "").empty() ? mesh->name : json.value("name", "");

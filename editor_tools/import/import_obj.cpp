@@ -1,5 +1,6 @@
 #include "import/import_obj.h"
 
+#include "core/vector.h"
 #include "import/json_input.h"
 #include "load/gltf_limits.h"
 
@@ -71,7 +72,7 @@ class ObjParser {
 
   // Numbers beyond those wanted (a fourth coordinate, colours) are left alone.
   template <class T, size_t N>
-  Status ParseNumbers(std::string_view line, std::vector<std::array<T, N>>* items) {
+  Status ParseNumbers(std::string_view line, Vector<std::array<T, N>>* items) {
     if (items->size() >= GltfLimits().max_vertices) {
       return Fail("more than " + std::to_string(GltfLimits().max_vertices) + " vertices",
                   StatusCode::kLimitExceeded);

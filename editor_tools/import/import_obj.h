@@ -2,13 +2,13 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace limber::bake {
 
@@ -18,12 +18,12 @@ struct ObjCorner {
 };
 
 struct ObjMesh {
-  std::string file;                              // for messages
-  std::vector<std::array<double, 3>> positions;  // v
-  std::vector<std::array<float, 2>> texcoords;   // vt, v growing upwards as OBJ has it
-  std::vector<std::array<float, 3>> normals;     // vn, any length
-  std::vector<uint32_t> face_sizes;              // corners of each face, 3 or more
-  std::vector<ObjCorner> corners;                // of all faces, one after the other
+  std::string file;                         // for messages
+  Vector<std::array<double, 3>> positions;  // v
+  Vector<std::array<float, 2>> texcoords;   // vt, v growing upwards as OBJ has it
+  Vector<std::array<float, 3>> normals;     // vn, any length
+  Vector<uint32_t> face_sizes;              // corners of each face, 3 or more
+  Vector<ObjCorner> corners;                // of all faces, one after the other
 };
 
 // Groups, materials, lines and whatever else OBJ has are passed over; indices may be negative

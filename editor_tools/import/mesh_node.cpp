@@ -1,6 +1,7 @@
 #include "import/mesh_node.h"
 
 #include "core/printable.h"
+#include "core/vector.h"
 
 #include <nlohmann/json.hpp>
 
@@ -31,15 +32,15 @@ std::string NodeName(const GltfFile& file, size_t node) {
   return name.empty() ? "node_" + std::to_string(node) : name;
 }
 
-std::vector<size_t> MeshNodes(const GltfFile& file) {
-  std::vector<size_t> with_mesh;
+Vector<size_t> MeshNodes(const GltfFile& file) {
+  Vector<size_t> with_mesh;
   for (size_t n = 0; n < NumNodes(file); ++n) {
     if (file.json()["nodes"][n].contains("mesh")) with_mesh.push_back(n);
   }
   return with_mesh;
 }
 
-std::string ListNodes(const GltfFile& file, const std::vector<size_t>& which) {
+std::string ListNodes(const GltfFile& file, const Vector<size_t>& which) {
   constexpr size_t kMostListed = 12;
   std::string list;
   for (size_t i = 0; i < which.size() && i < kMostListed; ++i) {
@@ -50,8 +51,8 @@ std::string ListNodes(const GltfFile& file, const std::vector<size_t>& which) {
 }
 
 Result<int> FindNamedMeshNode(const GltfFile& file, const std::string& wanted) {
-  const std::vector<size_t> with_mesh = MeshNodes(file);
-  std::vector<size_t> matching;
+  const Vector<size_t> with_mesh = MeshNodes(file);
+  Vector<size_t> matching;
   for (const size_t n : with_mesh) {
     if (file.json()["nodes"][n].value("name", "") == wanted) matching.push_back(n);
   }

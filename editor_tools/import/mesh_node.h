@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -14,10 +14,10 @@ namespace limber::bake {
 std::string NodeName(const GltfFile& file, size_t node);
 
 // The nodes that carry a mesh, in the file's order.
-std::vector<size_t> MeshNodes(const GltfFile& file);
+Vector<size_t> MeshNodes(const GltfFile& file);
 
 // Node names with their numbers as they stand in messages: "a" (1), "b" (4), ...
-std::string ListNodes(const GltfFile& file, const std::vector<size_t>& which);
+std::string ListNodes(const GltfFile& file, const Vector<size_t>& which);
 
 // The mesh node that `wanted` names, by its name or its index in decimal. Errors, without the
 // file's name: kNotFound (none of the file's mesh nodes, which are listed), kInvalidArgument

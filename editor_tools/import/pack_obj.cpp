@@ -1,6 +1,7 @@
 #include "import/pack_obj.h"
 
 #include "core/vec3.h"
+#include "core/vector.h"
 #include "import/file_output.h"
 #include "import/source_faces.h"
 #include "load/smooth_normals.h"
@@ -23,9 +24,9 @@ constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 // For each entry the first one of the same value, so that files that repeat a normal or texture
 // coordinate at every corner do not split every vertex.
 template <size_t N>
-std::vector<int32_t> FirstOfValue(const std::vector<std::array<float, N>>& items) {
+Vector<int32_t> FirstOfValue(const Vector<std::array<float, N>>& items) {
   std::map<std::array<float, N>, int32_t> first;
-  std::vector<int32_t> result;
+  Vector<int32_t> result;
   result.reserve(items.size());
   for (const auto& item : items) {
     result.push_back(first.emplace(item, static_cast<int32_t>(result.size())).first->second);
@@ -36,19 +37,19 @@ std::vector<int32_t> FirstOfValue(const std::vector<std::array<float, N>>& items
 // Draw vertices: one for each (position, texture coordinate, normal) that a corner uses, in the
 // order of the source's vertices; vertices that no face uses are kept, so that all come back.
 struct DrawVertices {
-  std::vector<ObjCorner> vertices;
-  std::vector<uint32_t> of_corner;  // corner of a face -> draw vertex
+  Vector<ObjCorner> vertices;
+  Vector<uint32_t> of_corner;  // corner of a face -> draw vertex
 };
 
 DrawVertices SplitVertices(const ObjMesh& mesh) {
-  const std::vector<int32_t> texcoord = FirstOfValue(mesh.texcoords);
-  const std::vector<int32_t> normal = FirstOfValue(mesh.normals);
-  std::vector<std::vector<ObjCorner>> kinds(mesh.positions.size());
-  std::vector<uint32_t> kind_of_corner;
+  const Vector<int32_t> texcoord = FirstOfValue(mesh.texcoords);
+  const Vector<int32_t> normal = FirstOfValue(mesh.normals);
+  Vector<Vector<ObjCorner>> kinds(mesh.positions.size());
+  Vector<uint32_t> kind_of_corner;
   for (ObjCorner corner : mesh.corners) {
     if (corner.texcoord >= 0) corner.texcoord = texcoord[static_cast<size_t>(corner.texcoord)];
     if (corner.normal >= 0) corner.normal = normal[static_cast<size_t>(corner.normal)];
-    std::vector<ObjCorner>& known = kinds[corner.position];
+    Vector<ObjCorner>& known = kinds[corner.position];
     const auto same = std::find_if(known.begin(), known.end(), [&corner](const ObjCorner& other) {
       return other.texcoord == corner.texcoord && other.normal == corner.normal;
     });
@@ -56,7 +57,7 @@ DrawVertices SplitVertices(const ObjMesh& mesh) {
     if (same == known.end()) known.push_back(corner);
   }
   DrawVertices draw;
-  std::vector<uint32_t> first_of_position;
+  Vector<uint32_t> first_of_position;
   for (uint32_t p = 0; p < kinds.size(); ++p) {
     first_of_position.push_back(static_cast<uint32_t>(draw.vertices.size()));
     if (kinds[p].empty()) kinds[p].push_back({p, -1, -1});
@@ -71,15 +72,15 @@ DrawVertices SplitVertices(const ObjMesh& mesh) {
 // Collects accessors of one GLB; each has a bufferView of its own.
 class GlbBuilder {
  public:
-  size_t AddFloats(const std::vector<float>& numbers, size_t components, bool with_bounds) {
+  size_t AddFloats(const Vector<float>& numbers, size_t components, bool with_bounds) {
     static constexpr const char* kTypes[] = {"", "SCALAR", "VEC2", "VEC3"};
     Json accessor = {{"bufferView", AddView(numbers.data(), 4 * numbers.size(), kArrayBuffer)},
                      {"componentType", kFloat},
                      {"count", numbers.size() / components},
                      {"type", kTypes[components]}};
     if (with_bounds) {
-      std::vector<float> low(numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(components));
-      std::vector<float> high = low;
+      Vector<float> low(numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(components));
+      Vector<float> high = low;
       for (size_t i = 0; i < numbers.size(); ++i) {
         low[i % components] = std::min(low[i % components], numbers[i]);
         high[i % components] = std::max(high[i % components], numbers[i]);
@@ -91,10 +92,10 @@ class GlbBuilder {
     return accessors_.size() - 1;
   }
 
-  size_t AddIndices(const std::vector<uint32_t>& indices, size_t num_vertices) {
+  size_t AddIndices(const Vector<uint32_t>& indices, size_t num_vertices) {
     // The largest 16-bit number is reserved (primitive restart).
     const bool narrow = num_vertices < 65536;
-    const std::vector<uint16_t> narrowed(indices.begin(), narrow ? indices.end() : indices.begin());
+    const Vector<uint16_t> narrowed(indices.begin(), narrow ? indices.end() : indices.begin());
     const size_t view = narrow ? AddView(narrowed.data(), 2 * narrowed.size(), kElementArrayBuffer)
                                : AddView(indices.data(), 4 * indices.size(), kElementArrayBuffer);
     accessors_.push_back({{"bufferView", view},
@@ -104,8 +105,8 @@ class GlbBuilder {
     return accessors_.size() - 1;
   }
 
-  Result<std::vector<uint8_t>> Finish(const std::string& name, const Json& primitive,
-                                      const Json& extras) const {
+  Result<Vector<uint8_t>> Finish(const std::string& name, const Json& primitive,
+                                 const Json& extras) const {
     const Json root = {
         {"asset", {{"version", "2.0"}, {"generator", "limber pack"}}},
         {"scene", 0},
@@ -134,7 +135,7 @@ class GlbBuilder {
     return views_.size() - 1;
   }
 
-  std::vector<uint8_t> bin_;
+  Vector<uint8_t> bin_;
   Json views_ = Json::array(), accessors_ = Json::array();
 };
 
@@ -143,8 +144,8 @@ float Stored(double number) {
   return static_cast<float>(number) + 0.0f;
 }
 
-std::vector<float> BasePositions(const ObjMesh& base, const DrawVertices& draw) {
-  std::vector<float> numbers;
+Vector<float> BasePositions(const ObjMesh& base, const DrawVertices& draw) {
+  Vector<float> numbers;
   for (const ObjCorner& vertex : draw.vertices) {
     for (const double x : base.positions[vertex.position])
       numbers.push_back(Stored(x));
@@ -153,9 +154,9 @@ std::vector<float> BasePositions(const ObjMesh& base, const DrawVertices& draw) 
 }
 
 // Offsets from what the base is in the file, so that base plus offset is the shape.
-std::vector<float> TargetOffsets(const std::vector<float>& base, const ObjMesh& shape,
-                                 const DrawVertices& draw) {
-  std::vector<float> numbers;
+Vector<float> TargetOffsets(const Vector<float>& base, const ObjMesh& shape,
+                            const DrawVertices& draw) {
+  Vector<float> numbers;
   for (const ObjCorner& vertex : draw.vertices) {
     for (const double x : shape.positions[vertex.position]) {
       numbers.push_back(Stored(x - double{base[numbers.size()]}));
@@ -164,12 +165,11 @@ std::vector<float> TargetOffsets(const std::vector<float>& base, const ObjMesh& 
   return numbers;
 }
 
-std::vector<float> BaseNormals(const ObjMesh& base, const DrawVertices& draw,
-                               const std::vector<float>& positions,
-                               const std::vector<uint32_t>& triangles) {
-  std::vector<Vec3> points, normals;
+Vector<float> BaseNormals(const ObjMesh& base, const DrawVertices& draw,
+                          const Vector<float>& positions, const Vector<uint32_t>& triangles) {
+  Vector<Vec3> points, normals;
   // Smooth across texture seams: by the first draw vertex of a position.
-  std::vector<uint32_t> shared;
+  Vector<uint32_t> shared;
   for (uint32_t v = 0; v < draw.vertices.size(); ++v) {
     const ObjCorner& vertex = draw.vertices[v];
     const float* p = positions.data() + 3 * size_t{v};
@@ -184,15 +184,15 @@ std::vector<float> BaseNormals(const ObjMesh& base, const DrawVertices& draw,
     normals.push_back(normal);
   }
   CompleteNormals(points, shared, triangles, &normals);
-  std::vector<float> numbers;
+  Vector<float> numbers;
   for (const Vec3& n : normals)
     numbers.insert(numbers.end(), {n.x, n.y, n.z});
   return numbers;
 }
 
 // glTF's v grows downwards. Empty where the base has none at all.
-std::vector<float> BaseTexcoords(const ObjMesh& base, const DrawVertices& draw) {
-  std::vector<float> numbers;
+Vector<float> BaseTexcoords(const ObjMesh& base, const DrawVertices& draw) {
+  Vector<float> numbers;
   for (const ObjCorner& vertex : draw.vertices) {
     const bool has = vertex.texcoord >= 0;
     const auto uv =
@@ -201,7 +201,7 @@ std::vector<float> BaseTexcoords(const ObjMesh& base, const DrawVertices& draw) 
   }
   const bool any = std::any_of(draw.vertices.begin(), draw.vertices.end(),
                                [](const ObjCorner& vertex) { return vertex.texcoord >= 0; });
-  return any ? numbers : std::vector<float>();
+  return any ? numbers : Vector<float>();
 }
 
 Status CheckSameTopology(const ObjMesh& base, const ObjMesh& shape) {
@@ -237,9 +237,9 @@ Status CheckSameTopology(const ObjMesh& base, const ObjMesh& shape) {
 
 }  // namespace
 
-Result<std::vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const ObjMesh> shapes,
-                                        std::span<const std::string> shape_names,
-                                        const std::string& name) {
+Result<Vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const ObjMesh> shapes,
+                                   std::span<const std::string> shape_names,
+                                   const std::string& name) {
   if (shapes.empty()) {
     return Error(StatusCode::kInvalidArgument,
                  "%s: no example shape beside the base; name at least one OBJ more",
@@ -253,11 +253,11 @@ Result<std::vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const Obj
                  base.file.c_str(), draw.vertices.size());
   }
   const FanTriangles fans = CutIntoFans(base);
-  std::vector<uint32_t> triangles;
+  Vector<uint32_t> triangles;
   for (const uint32_t corner : fans.corners)
     triangles.push_back(draw.of_corner[corner]);
-  const std::vector<float> positions = BasePositions(base, draw);
-  std::vector<float> source;
+  const Vector<float> positions = BasePositions(base, draw);
+  Vector<float> source;
   for (const ObjCorner& vertex : draw.vertices)
     source.push_back(static_cast<float>(vertex.position));
 
@@ -265,7 +265,7 @@ Result<std::vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const Obj
   Json attributes = {
       {"POSITION", builder.AddFloats(positions, 3, true)},
       {"NORMAL", builder.AddFloats(BaseNormals(base, draw, positions, triangles), 3, false)}};
-  if (const std::vector<float> texcoords = BaseTexcoords(base, draw); !texcoords.empty()) {
+  if (const Vector<float> texcoords = BaseTexcoords(base, draw); !texcoords.empty()) {
     attributes["TEXCOORD_0"] = builder.AddFloats(texcoords, 2, false);
   }
   attributes[kSourceAttribute] = builder.AddFloats(source, 1, false);
@@ -279,7 +279,7 @@ Result<std::vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const Obj
                           {"targets", targets}};
   Json extras = DescribeFaces(base, fans);
   if (extras.is_null()) extras = Json::object();
-  extras["targetNames"] = std::vector<std::string>(shape_names.begin(), shape_names.end());
+  extras["targetNames"] = Vector<std::string>(shape_names.begin(), shape_names.end());
   return builder.Finish(name, primitive, extras);
 }
 
@@ -287,8 +287,8 @@ Status PackObj(const std::filesystem::path& base, std::span<const std::filesyste
                const PackOptions& options, const std::filesystem::path& output) {
   Result<ObjMesh> base_mesh = ReadObj(base);
   if (!base_mesh.ok()) return base_mesh.status();
-  std::vector<ObjMesh> meshes;
-  std::vector<std::string> names;
+  Vector<ObjMesh> meshes;
+  Vector<std::string> names;
   for (const std::filesystem::path& path : shapes) {
     Result<ObjMesh> mesh = ReadObj(path);
     if (!mesh.ok()) return mesh.status();
@@ -297,7 +297,7 @@ Status PackObj(const std::filesystem::path& base, std::span<const std::filesyste
     names.push_back(path.stem().string());
   }
   const std::string name = options.name.empty() ? base.stem().string() : options.name;
-  Result<std::vector<uint8_t>> bytes = PackMeshes(*base_mesh, meshes, names, name);
+  Result<Vector<uint8_t>> bytes = PackMeshes(*base_mesh, meshes, names, name);
   if (!bytes.ok()) return bytes.status();
   return WriteFileAtomically(output, *bytes);
 }

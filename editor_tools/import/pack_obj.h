@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "import/import_obj.h"
 
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -25,8 +25,8 @@ Status PackObj(const std::filesystem::path& base, std::span<const std::filesyste
                const PackOptions& options, const std::filesystem::path& output);
 
 // The same from meshes in memory: the bytes of the .glb. shape_names: one for each shape.
-Result<std::vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const ObjMesh> shapes,
-                                        std::span<const std::string> shape_names,
-                                        const std::string& name);
+Result<Vector<uint8_t>> PackMeshes(const ObjMesh& base, std::span<const ObjMesh> shapes,
+                                   std::span<const std::string> shape_names,
+                                   const std::string& name);
 
 }  // namespace limber::bake

@@ -1,5 +1,6 @@
 #include "import/source_faces.h"
 
+#include "core/vector.h"
 #include "load/gltf_mesh.h"
 
 #include <Eigen/Geometry>
@@ -41,13 +42,13 @@ bool FanIsUpright(const ObjMesh& mesh, uint32_t first, uint32_t size, uint32_t s
 }
 
 // The sizes and fan starts that the extras hold; false when they do not describe the triangles.
-bool ReadFaces(const Json& mesh, size_t num_triangles, std::vector<uint32_t>* sizes,
-               std::vector<uint32_t>* starts) {
+bool ReadFaces(const Json& mesh, size_t num_triangles, Vector<uint32_t>* sizes,
+               Vector<uint32_t>* starts) {
   const auto extras = mesh.find("extras");
   if (extras == mesh.end() || !extras->is_object()) return false;
   const auto faces = extras->find(kFacesKey);
   if (faces == extras->end() || !faces->is_object()) return false;
-  const auto read = [&](const char* key, std::vector<uint32_t>* numbers) {
+  const auto read = [&](const char* key, Vector<uint32_t>* numbers) {
     const auto it = faces->find(key);
     if (it == faces->end() || !it->is_array()) return false;
     for (const Json& number : *it) {
@@ -112,7 +113,7 @@ Result<SourceFaces> ReadSourceFaces(const GltfFile& file, int mesh) {
   const size_t num_triangles = read->triangles.size() / 3;
   SourceFaces faces;
   faces.num_vertices = read->num_source_vertices;
-  std::vector<uint32_t> starts;
+  Vector<uint32_t> starts;
   if (!ReadFaces(file.json()["meshes"][static_cast<size_t>(mesh)], num_triangles, &faces.sizes,
                  &starts)) {
     faces.sizes.assign(num_triangles, 3);
@@ -122,7 +123,7 @@ Result<SourceFaces> ReadSourceFaces(const GltfFile& file, int mesh) {
   for (size_t f = 0; f < faces.sizes.size(); ++f) {
     const uint32_t size = faces.sizes[f];
     // Corner `start + i` of the polygon, in the order in which the fan met them.
-    std::vector<uint32_t> fan = {read->triangles[3 * triangle], read->triangles[3 * triangle + 1]};
+    Vector<uint32_t> fan = {read->triangles[3 * triangle], read->triangles[3 * triangle + 1]};
     for (uint32_t i = 0; i + 2 < size; ++i, ++triangle) {
       fan.push_back(read->triangles[3 * triangle + 2]);
     }

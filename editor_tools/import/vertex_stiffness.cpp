@@ -1,5 +1,6 @@
 #include "import/vertex_stiffness.h"
 
+#include "core/vector.h"
 #include "import/handle_spec.h"
 
 #include <nlohmann/json.hpp>
@@ -13,16 +14,16 @@ namespace {
 constexpr char kColorPrefix[] = "COLOR_";
 constexpr float kColorRange = 100;  // white against mid-grey, and mid-grey against black
 
-Result<std::vector<float>> FromColor(const GltfFile& file, const GltfMorphMesh& mesh,
-                                     const std::string& attribute) {
+Result<Vector<float>> FromColor(const GltfFile& file, const GltfMorphMesh& mesh,
+                                const std::string& attribute) {
   int components = 3;
-  Result<std::vector<float>> colors = ReadMeshAttribute(file, mesh, attribute, components);
+  Result<Vector<float>> colors = ReadMeshAttribute(file, mesh, attribute, components);
   if (!colors.ok() && colors.status().code() != StatusCode::kNotFound) {
     components = 4;
     colors = ReadMeshAttribute(file, mesh, attribute, components);
   }
   if (!colors.ok()) return colors.status();
-  std::vector<float> factors;
+  Vector<float> factors;
   for (size_t at = 0; at < colors->size(); at += static_cast<size_t>(components))
     factors.push_back(std::pow(kColorRange, 2 * std::clamp((*colors)[at], 0.0f, 1.0f) - 1));
   return factors;
@@ -30,15 +31,14 @@ Result<std::vector<float>> FromColor(const GltfFile& file, const GltfMorphMesh& 
 
 }  // namespace
 
-Result<std::vector<float>> ReadVertexStiffness(const GltfFile& file, const GltfMorphMesh& mesh,
-                                               const std::string& attribute) {
+Result<Vector<float>> ReadVertexStiffness(const GltfFile& file, const GltfMorphMesh& mesh,
+                                          const std::string& attribute) {
   if (attribute.rfind(kColorPrefix, 0) == 0) return FromColor(file, mesh, attribute);
   const std::string name = attribute.empty() ? kStiffnessAttribute : attribute;
-  Result<std::vector<float>> factors = ReadMeshAttribute(file, mesh, name, 1);
+  Result<Vector<float>> factors = ReadMeshAttribute(file, mesh, name, 1);
   if (!factors.ok()) {
     const bool is_optional = attribute.empty();
-    if (is_optional && factors.status().code() == StatusCode::kNotFound)
-      return std::vector<float>();
+    if (is_optional && factors.status().code() == StatusCode::kNotFound) return Vector<float>();
     return factors;
   }
   for (size_t v = 0; v < factors->size(); ++v) {

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_mesh.h"
 
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 
@@ -19,7 +19,7 @@ inline constexpr char kStiffnessAttribute[] = "_LIMBER_STIFFNESS";
 // Empty name: kStiffnessAttribute, where the mesh has it. Errors, without the file's name:
 // kNotFound (a primitive lacks the attribute that was asked for), kMalformed (a factor out of
 // range, which is named with its vertex), those of ReadMeshAttribute.
-Result<std::vector<float>> ReadVertexStiffness(const GltfFile& file, const GltfMorphMesh& mesh,
-                                               const std::string& attribute);
+Result<Vector<float>> ReadVertexStiffness(const GltfFile& file, const GltfMorphMesh& mesh,
+                                          const std::string& attribute);
 
 }  // namespace limber::bake

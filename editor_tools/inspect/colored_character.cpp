@@ -1,5 +1,7 @@
 #include "inspect/colored_character.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 
 namespace limber::inspect {
@@ -73,7 +75,7 @@ ColoredCharacter ColorByWeight(const Rig& rig, int handle) {
 }
 
 ColoredCharacter ColorByGroup(const Rig& rig, std::span<const int> vertex_group,
-                              const std::vector<Color>& group_colors) {
+                              const Vector<Color>& group_colors) {
   ColoredCharacter character = Dressed(rig, Swatches(group_colors));
   SkinMesh& mesh = character.mesh;
   SplitTriangles(&mesh);
@@ -90,10 +92,10 @@ ColoredCharacter ColorByGroup(const Rig& rig, std::span<const int> vertex_group,
   return character;
 }
 
-std::vector<Color> MixedByBlendWeights(std::span<const double> blend_weights,
-                                       const std::vector<Color>& example_colors) {
+Vector<Color> MixedByBlendWeights(std::span<const double> blend_weights,
+                                  const Vector<Color>& example_colors) {
   const size_t num_shapes = example_colors.size();
-  std::vector<Color> mixed(blend_weights.size() / std::max<size_t>(num_shapes, 1), Color{});
+  Vector<Color> mixed(blend_weights.size() / std::max<size_t>(num_shapes, 1), Color{});
   for (size_t i = 0; i < blend_weights.size(); ++i) {
     for (size_t channel = 0; channel < 3; ++channel)
       mixed[i / num_shapes][channel] += blend_weights[i] * example_colors[i % num_shapes][channel];

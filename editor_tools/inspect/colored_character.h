@@ -1,12 +1,12 @@
 // A baked character dressed in data: weights, edge groups, blend weights as its only texture.
 #pragma once
 
+#include "core/vector.h"
 #include "inspect/data_colors.h"
 #include "rig/rig.h"
 #include "viewer/character_model.h"
 
 #include <span>
-#include <vector>
 
 namespace limber::inspect {
 
@@ -26,11 +26,11 @@ ColoredCharacter ColorByWeight(const Rig& rig, int handle);
 // Each triangle in one colour, that of the group that most of its corners are in; on a tie the
 // first corner's. vertex_group: [V], in [0, group_colors.size()).
 ColoredCharacter ColorByGroup(const Rig& rig, std::span<const int> vertex_group,
-                              const std::vector<Color>& group_colors);
+                              const Vector<Color>& group_colors);
 
 // What each group shows of the examples: their colours mixed by its blend weights. blend_weights:
 // [G][S]; example_colors: S.
-std::vector<Color> MixedByBlendWeights(std::span<const double> blend_weights,
-                                       const std::vector<Color>& example_colors);
+Vector<Color> MixedByBlendWeights(std::span<const double> blend_weights,
+                                  const Vector<Color>& example_colors);
 
 }  // namespace limber::inspect

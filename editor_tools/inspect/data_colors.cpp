@@ -1,5 +1,7 @@
 #include "inspect/data_colors.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -56,18 +58,18 @@ Color ScaleColor(double value) {
   return ToLinear(Polar(0.30 + 0.65 * at, chroma, 285 - 180 * at));
 }
 
-std::vector<Color> Palette(int count) {
+Vector<Color> Palette(int count) {
   constexpr double kGoldenAngle = 137.50776405;
   constexpr double kLevels[] = {0.72, 0.54, 0.86};
-  std::vector<Color> colors;
+  Vector<Color> colors;
   colors.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i)
     colors.push_back(ToLinear(Polar(kLevels[i % 3], 0.13, 25 + kGoldenAngle * i)));
   return colors;
 }
 
-std::vector<Color> ExampleColors(int count) {
-  std::vector<Color> colors = Palette(std::max(count - 1, 0));
+Vector<Color> ExampleColors(int count) {
+  Vector<Color> colors = Palette(std::max(count - 1, 0));
   if (count > 0) colors.insert(colors.begin(), ToLinear({0.75, 0, 0}));
   return colors;
 }
@@ -77,14 +79,14 @@ std::array<uint8_t, 4> ToBytes(const Color& color) {
 }
 
 viewer::Image ScaleStrip() {
-  std::vector<Color> colors;
+  Vector<Color> colors;
   for (uint32_t x = 0; x < kStripWidth; ++x)
     colors.push_back(ScaleColor(ValueOfTexel(x)));
   return Swatches(colors);
 }
 
 viewer::Image ScaleLegend() {
-  std::vector<Color> colors;
+  Vector<Color> colors;
   for (uint32_t x = 0; x < kStripWidth; ++x) {
     const double value = ValueOfTexel(x);
     const double tenth = std::round(value * kContours) / kContours;
@@ -97,7 +99,7 @@ viewer::Image ScaleLegend() {
   return Swatches(colors);
 }
 
-viewer::Image Swatches(const std::vector<Color>& colors) {
+viewer::Image Swatches(const Vector<Color>& colors) {
   viewer::Image image;
   image.width = static_cast<uint32_t>(colors.size());
   image.height = 1;

@@ -4,10 +4,10 @@
 // distances look about equally different.
 #pragma once
 
+#include "core/vector.h"
 #include "viewer/image.h"
 
 #include <array>
-#include <vector>
 
 namespace limber::inspect {
 
@@ -25,11 +25,11 @@ Color ScaleColor(double value);
 
 // `count` colours as far from each other as can be told at a glance: hues by the golden angle,
 // three levels of lightness in turn.
-std::vector<Color> Palette(int count);
+Vector<Color> Palette(int count);
 
 // One for each example shape: the first, which a character at rest shows, in grey, so that colour
 // tells where others take part; those in a palette.
-std::vector<Color> ExampleColors(int count);
+Vector<Color> ExampleColors(int count);
 
 // The scale as a strip for texture coordinates u = value.
 viewer::Image ScaleStrip();
@@ -38,7 +38,7 @@ viewer::Image ScaleStrip();
 viewer::Image ScaleLegend();
 
 // One texel a colour, in a row.
-viewer::Image Swatches(const std::vector<Color>& colors);
+viewer::Image Swatches(const Vector<Color>& colors);
 
 // Four bytes, sRGB.
 std::array<uint8_t, 4> ToBytes(const Color& color);

@@ -1,5 +1,7 @@
 #include "inspect/group_colors.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +11,7 @@
 namespace limber::inspect {
 namespace {
 
-using Neighbours = std::vector<std::set<int>>;  // of each group
+using Neighbours = Vector<std::set<int>>;  // of each group
 
 Neighbours SharingTriangles(const SkinMesh& mesh, std::span<const int> vertex_group,
                             int num_groups) {
@@ -32,7 +34,7 @@ double Distance(const Oklab& x, const Oklab& y) {
 // Colours dealt out to groups, and exchanged between two of them.
 class Dealing {
  public:
-  Dealing(const std::vector<Color>& palette, const Neighbours& neighbours)
+  Dealing(const Vector<Color>& palette, const Neighbours& neighbours)
       : neighbours_(neighbours),
         labs_(palette.size()),
         chosen_(palette.size()) {
@@ -50,7 +52,7 @@ class Dealing {
     return false;
   }
 
-  const std::vector<size_t>& chosen() const { return chosen_; }  // index into the palette
+  const Vector<size_t>& chosen() const { return chosen_; }  // index into the palette
 
  private:
   double ToNeighbours(size_t group) const {
@@ -63,16 +65,15 @@ class Dealing {
   }
 
   const Neighbours& neighbours_;
-  std::vector<Oklab> labs_;
-  std::vector<size_t> chosen_;
+  Vector<Oklab> labs_;
+  Vector<size_t> chosen_;
 };
 
 }  // namespace
 
-std::vector<Color> GroupColors(const SkinMesh& mesh, std::span<const int> vertex_group,
-                               int num_groups) {
+Vector<Color> GroupColors(const SkinMesh& mesh, std::span<const int> vertex_group, int num_groups) {
   constexpr int kMaxSweeps = 8;  // each exchange helps the worst of its borders, so that they end
-  const std::vector<Color> palette = Palette(num_groups);
+  const Vector<Color> palette = Palette(num_groups);
   const Neighbours neighbours = SharingTriangles(mesh, vertex_group, num_groups);
   Dealing dealing(palette, neighbours);
   bool improves = true;
@@ -83,7 +84,7 @@ std::vector<Color> GroupColors(const SkinMesh& mesh, std::span<const int> vertex
         improves = dealing.ExchangeIfBetter(a, b) || improves;
     }
   }
-  std::vector<Color> colors;
+  Vector<Color> colors;
   colors.reserve(palette.size());
   for (const size_t index : dealing.chosen())
     colors.push_back(palette[index]);

@@ -1,5 +1,6 @@
 #include "inspect/vertex_groups.h"
 
+#include "core/vector.h"
 #include "load/gltf_mesh.h"
 #include "rig/rig_fields.h"
 
@@ -7,10 +8,10 @@
 
 namespace limber::inspect {
 
-Result<std::vector<int>> ReadVertexGroups(const GltfFile& file, int gltf_mesh, const Rig& rig) {
+Result<Vector<int>> ReadVertexGroups(const GltfFile& file, int gltf_mesh, const Rig& rig) {
   const Result<GltfMorphMesh> mesh = ReadMorphMesh(file, gltf_mesh);
   if (!mesh.ok()) return mesh.status();
-  const Result<std::vector<float>> read = ReadMeshAttribute(file, *mesh, kGroupAttribute, 1);
+  const Result<Vector<float>> read = ReadMeshAttribute(file, *mesh, kGroupAttribute, 1);
   if (!read.ok() && read.status().code() == StatusCode::kNotFound) {
     return Error(StatusCode::kNotFound,
                  "%s: mesh \"%s\": it was baked without %s; bake it again to see its edge groups",
@@ -18,7 +19,7 @@ Result<std::vector<int>> ReadVertexGroups(const GltfFile& file, int gltf_mesh, c
   }
   if (!read.ok()) return read.status().WithContext(file.name());
   const int num_groups = rig.tables().num_groups;
-  std::vector<int> groups(rig.mesh().num_solve_vertices, 0);
+  Vector<int> groups(rig.mesh().num_solve_vertices, 0);
   for (size_t d = 0; d < read->size(); ++d) {
     const float group = (*read)[d];
     if (!(group >= 0) || group >= static_cast<float>(num_groups) || group != std::floor(group)) {

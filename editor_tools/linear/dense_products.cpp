@@ -1,9 +1,9 @@
 #include "linear/dense_products.h"
 
+#include "core/vector.h"
 #include "threads/parallel_for.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace limber::linear {
 namespace {
@@ -24,7 +24,7 @@ Index NumBlocks(Index rows) {
 
 // A panel of count rows and depth columns whose numbers are at(row, column); zero beyond them.
 template <class At>
-void Pack(Index count, Index depth, const At& at, std::vector<double>* panel) {
+void Pack(Index count, Index depth, const At& at, Vector<double>* panel) {
   panel->assign(static_cast<size_t>(NumBlocks(count) * kBlockRows * depth), 0.0);
   for (Index block = 0; block < NumBlocks(count); ++block) {
     const Index rows = std::min<Index>(kBlockRows, count - block * kBlockRows);
@@ -41,7 +41,7 @@ MatrixXd PartOfSum(const MatrixXd& a, const MatrixXd& b, Index begin, Index end,
                    const PanelKernels& kernels) {
   const Index size = a.cols();
   MatrixXd sum = MatrixXd::Zero(NumBlocks(size) * kBlockRows, size);
-  std::vector<double> left, right;
+  Vector<double> left, right;
   for (Index first = begin; first < end; first += kDepth) {
     const Index depth = std::min(kDepth, end - first);
     Pack(
@@ -59,7 +59,7 @@ MatrixXd PartOfSum(const MatrixXd& a, const MatrixXd& b, Index begin, Index end,
 MatrixXd Product(const MatrixXd& a, const MatrixXd& b, int num_threads,
                  const PanelKernels& kernels) {
   const Index columns = b.cols();
-  std::vector<std::vector<double>> right(static_cast<size_t>((b.rows() + kDepth - 1) / kDepth));
+  Vector<Vector<double>> right(static_cast<size_t>((b.rows() + kDepth - 1) / kDepth));
   for (size_t part = 0; part < right.size(); ++part) {
     const Index first = static_cast<Index>(part) * kDepth;
     Pack(
@@ -72,7 +72,7 @@ MatrixXd Product(const MatrixXd& a, const MatrixXd& b, int num_threads,
     const Index top = chunk * kRowsAtOnce, rows = std::min(kRowsAtOnce, a.rows() - top);
     // Kept from round to round: fresh memory costs as much as the products.
     static thread_local MatrixXd sums;
-    static thread_local std::vector<double> left;
+    static thread_local Vector<double> left;
     sums.setZero(NumBlocks(rows) * kBlockRows, columns);
     for (size_t part = 0; part < right.size(); ++part) {
       const Index first = static_cast<Index>(part) * kDepth;
@@ -100,7 +100,7 @@ MatrixXd Product(const Eigen::SparseMatrix<double>& a, const MatrixXd& b, int nu
 MatrixXd SymmetricProduct(const MatrixXd& a, const MatrixXd& b, int num_threads,
                           const PanelKernels& kernels) {
   const Index size = a.cols(), step = (a.rows() + kParts - 1) / kParts;
-  std::vector<MatrixXd> parts(kParts);
+  Vector<MatrixXd> parts(kParts);
   threads::ParallelFor(kParts, num_threads, [&](int part) {
     const Index begin = std::min(part * step, a.rows());
     parts[static_cast<size_t>(part)] =

@@ -1,5 +1,6 @@
 #include "linear/elimination.h"
 
+#include "core/vector.h"
 #include "linear/nested_dissection.h"
 #include "threads/parallel_for.h"
 
@@ -15,8 +16,8 @@ using Eigen::SparseMatrix;
 
 // Fills begin and columns, for the order in new_of_old.
 void FindRows(const SparseMatrix<double>& Q, Elimination* elimination) {
-  const std::vector<int>& new_of_old = elimination->new_of_old;
-  std::vector<size_t>& begin = elimination->begin;
+  const Vector<int>& new_of_old = elimination->new_of_old;
+  Vector<size_t>& begin = elimination->begin;
   begin.assign(new_of_old.size() + 1, 0);
   const auto for_each = [&](const auto& body) {
     for (int column = 0; column < Q.cols(); ++column) {
@@ -31,16 +32,16 @@ void FindRows(const SparseMatrix<double>& Q, Elimination* elimination) {
   for (size_t row = 0; row + 1 < begin.size(); ++row)
     begin[row + 1] += begin[row];
   elimination->columns.resize(begin.back());
-  std::vector<size_t> next(begin.begin(), begin.end() - 1);
+  Vector<size_t> next(begin.begin(), begin.end() - 1);
   for_each([&](size_t row, int column) { elimination->columns[next[row]++] = column; });
 }
 
 // Liu's algorithm.
 void FindTree(Elimination* elimination) {
   const size_t n = elimination->new_of_old.size();
-  std::vector<int>& parents = elimination->parents;
+  Vector<int>& parents = elimination->parents;
   parents.assign(n, -1);
-  std::vector<int> ancestors(n, -1);
+  Vector<int> ancestors(n, -1);
   for (size_t row = 0; row < n; ++row) {
     for (size_t e = elimination->begin[row]; e < elimination->begin[row + 1]; ++e) {
       int at = elimination->columns[e];
@@ -54,9 +55,9 @@ void FindTree(Elimination* elimination) {
 }
 
 // [n]: places in which every column comes after its children, and right after the last of them.
-std::vector<int> PostOrder(const std::vector<int>& parents) {
+Vector<int> PostOrder(const Vector<int>& parents) {
   const size_t n = parents.size();
-  std::vector<int> child(n, -1), sibling(n, -1), roots, places(n);
+  Vector<int> child(n, -1), sibling(n, -1), roots, places(n);
   for (size_t i = n; i-- > 0;) {
     if (parents[i] < 0) {
       roots.push_back(static_cast<int>(i));
@@ -65,7 +66,7 @@ std::vector<int> PostOrder(const std::vector<int>& parents) {
     }
   }
   int place = 0;
-  std::vector<int> path;
+  Vector<int> path;
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
     path.push_back(*root);
     while (!path.empty()) {
@@ -85,7 +86,7 @@ std::vector<int> PostOrder(const std::vector<int>& parents) {
 void CountColumns(Elimination* elimination) {
   const size_t n = elimination->new_of_old.size();
   elimination->counts.assign(n, 1);
-  std::vector<int> seen(n, -1);
+  Vector<int> seen(n, -1);
   for (size_t row = 0; row < n; ++row) {
     seen[row] = static_cast<int>(row);
     for (size_t e = elimination->begin[row]; e < elimination->begin[row + 1]; ++e) {
@@ -98,10 +99,10 @@ void CountColumns(Elimination* elimination) {
   }
 }
 
-std::vector<int> MinimumDegree(const SparseMatrix<double>& Q) {
+Vector<int> MinimumDegree(const SparseMatrix<double>& Q) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(Q, order);
-  std::vector<int> places(static_cast<size_t>(Q.cols()));
+  Vector<int> places(static_cast<size_t>(Q.cols()));
   for (int place = 0; place < Q.cols(); ++place)
     places[static_cast<size_t>(order.indices()(place))] = place;
   return places;
@@ -116,12 +117,12 @@ double Elimination::Multiplications() const {
   return sum;
 }
 
-Elimination Eliminate(const SparseMatrix<double>& Q, const std::vector<int>& order) {
+Elimination Eliminate(const SparseMatrix<double>& Q, const Vector<int>& order) {
   Elimination elimination;
   elimination.new_of_old = order;
   FindRows(Q, &elimination);
   FindTree(&elimination);
-  const std::vector<int> places = PostOrder(elimination.parents);
+  const Vector<int> places = PostOrder(elimination.parents);
   for (int& place : elimination.new_of_old)
     place = places[static_cast<size_t>(place)];
   FindRows(Q, &elimination);

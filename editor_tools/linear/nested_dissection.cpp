@@ -1,5 +1,7 @@
 #include "linear/nested_dissection.h"
 
+#include "core/vector.h"
+
 #include <Eigen/OrderingMethods>
 
 #include <algorithm>
@@ -23,12 +25,12 @@ class Dissection {
         part_(places_.size(), 0),
         level_(places_.size(), 0) {}
 
-  std::vector<int> Run() {
+  Vector<int> Run() {
     Part whole;
     for (int column = 0; column < Q_.cols(); ++column)
       whole.columns.push_back(column);
     whole.end = static_cast<int>(whole.columns.size());
-    std::vector<Part> parts;
+    Vector<Part> parts;
     parts.push_back(std::move(whole));
     while (!parts.empty()) {
       const Part part = std::move(parts.back());
@@ -41,17 +43,17 @@ class Dissection {
  private:
   // Columns that take the places before `end`.
   struct Part {
-    std::vector<int> columns;
+    Vector<int> columns;
     int end = 0;
   };
 
   // Levels of a search within the part numbered mark, from `start`, which it fills with columns
   // level by level; returns where each level begins, and the end.
-  std::vector<size_t> Search(int start, int mark, std::vector<int>* reached) {
+  Vector<size_t> Search(int start, int mark, Vector<int>* reached) {
     const int seen = ++last_mark_;
     reached->assign(1, start);
     part_[static_cast<size_t>(start)] = seen;
-    std::vector<size_t> levels = {0};
+    Vector<size_t> levels = {0};
     for (size_t from = 0; from < reached->size();) {
       const size_t end = reached->size();
       levels.push_back(end);
@@ -68,20 +70,20 @@ class Dissection {
     return levels;
   }
 
-  void Mark(const std::vector<int>& columns) {
+  void Mark(const Vector<int>& columns) {
     ++last_mark_;
     for (const int column : columns)
       part_[static_cast<size_t>(column)] = last_mark_;
   }
 
-  void Split(const Part& part, std::vector<Part>* parts) {
+  void Split(const Part& part, Vector<Part>* parts) {
     if (part.columns.size() <= kSmallPart) return PlaceByDegree(part);
     Mark(part.columns);
-    std::vector<int> reached;
+    Vector<int> reached;
     Search(part.columns[0], last_mark_, &reached);
     if (reached.size() < part.columns.size()) return SplitOff(std::move(reached), part, parts);
     // From the farthest column, twice: from one end to the other.
-    std::vector<size_t> levels;
+    Vector<size_t> levels;
     for (int again = 0; again < 2; ++again)
       levels = Search(reached.back(), last_mark_, &reached);
     const size_t chosen = SmallestLevel(levels, reached.size());
@@ -90,7 +92,7 @@ class Dissection {
   }
 
   // What the search did not reach is a part by itself.
-  void SplitOff(std::vector<int> reached, const Part& part, std::vector<Part>* parts) {
+  void SplitOff(Vector<int> reached, const Part& part, Vector<Part>* parts) {
     Part rest;
     for (const int column : part.columns) {
       if (part_[static_cast<size_t>(column)] != last_mark_) rest.columns.push_back(column);
@@ -102,7 +104,7 @@ class Dissection {
   }
 
   // The smallest level that leaves enough on both sides, 0 for none.
-  static size_t SmallestLevel(const std::vector<size_t>& levels, size_t count) {
+  static size_t SmallestLevel(const Vector<size_t>& levels, size_t count) {
     size_t chosen = 0;
     for (size_t level = 1; level + 2 < levels.size(); ++level) {
       const auto before = static_cast<double>(levels[level]);
@@ -117,10 +119,10 @@ class Dissection {
 
   // Columns [first, end) of `reached`, a level, separate those before from those after; the ones
   // that touch nothing after them need not.
-  void SplitAt(const std::vector<int>& reached, size_t first, size_t end, int place,
-               std::vector<Part>* parts) {
-    std::vector<int> before(reached.begin(), reached.begin() + static_cast<ptrdiff_t>(first));
-    std::vector<int> after(reached.begin() + static_cast<ptrdiff_t>(end), reached.end());
+  void SplitAt(const Vector<int>& reached, size_t first, size_t end, int place,
+               Vector<Part>* parts) {
+    Vector<int> before(reached.begin(), reached.begin() + static_cast<ptrdiff_t>(first));
+    Vector<int> after(reached.begin() + static_cast<ptrdiff_t>(end), reached.end());
     for (size_t i = first; i < end; ++i) {
       const int column = reached[i], level = level_[static_cast<size_t>(column)];
       bool touches = false;
@@ -140,7 +142,7 @@ class Dissection {
   }
 
   void PlaceByDegree(const Part& part) {
-    std::vector<Eigen::Triplet<double>> entries;
+    Vector<Eigen::Triplet<double>> entries;
     for (size_t i = 0; i < part.columns.size(); ++i)
       level_[static_cast<size_t>(part.columns[i])] = static_cast<int>(i);
     Mark(part.columns);
@@ -163,15 +165,15 @@ class Dissection {
   }
 
   const SparseMatrix<double>& Q_;
-  std::vector<int> places_;
-  std::vector<int> part_;   // of each column the last mark or search that had it
-  std::vector<int> level_;  // within that search, or its number in a small part
+  Vector<int> places_;
+  Vector<int> part_;   // of each column the last mark or search that had it
+  Vector<int> level_;  // within that search, or its number in a small part
   int last_mark_ = 0;
 };
 
 }  // namespace
 
-std::vector<int> NestedDissection(const SparseMatrix<double>& Q) {
+Vector<int> NestedDissection(const SparseMatrix<double>& Q) {
   return Dissection(Q).Run();
 }
 

@@ -1,9 +1,9 @@
 // An elimination order for the matrices of surfaces: parts first, what separates them last.
 #pragma once
 
-#include <Eigen/SparseCore>
+#include "core/vector.h"
 
-#include <vector>
+#include <Eigen/SparseCore>
 
 namespace limber::linear {
 
@@ -11,6 +11,6 @@ namespace limber::linear {
 // two sides of the smallest level near the middle of a breadth-first search from one end of a part
 // to the other (George and Liu's automatic nested dissection); small parts are left to minimum
 // degree. Deterministic.
-std::vector<int> NestedDissection(const Eigen::SparseMatrix<double>& Q);
+Vector<int> NestedDissection(const Eigen::SparseMatrix<double>& Q);
 
 }  // namespace limber::linear

@@ -1,5 +1,7 @@
 #include "linear/supernodal_cholesky.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -71,13 +73,13 @@ void SupernodalCholesky::FindSupernodes(const Elimination& elimination) {
 
 // As columns are counted, supernode by supernode; rows come in ascending order.
 void SupernodalCholesky::FindRows(const Elimination& elimination) {
-  std::vector<size_t> next;
+  Vector<size_t> next;
   for (const Supernode& supernode : supernodes_) {
     for (int column = 0; column < supernode.width; ++column)
       rows_[supernode.rows + static_cast<size_t>(column)] = supernode.first + column;
     next.push_back(supernode.rows + static_cast<size_t>(supernode.width));
   }
-  std::vector<int> seen(supernodes_.size(), -1);
+  Vector<int> seen(supernodes_.size(), -1);
   for (int row = 0; row < size(); ++row) {
     seen[static_cast<size_t>(supernode_of_[static_cast<size_t>(row)])] = row;
     for (size_t e = elimination.begin[static_cast<size_t>(row)];
@@ -100,7 +102,7 @@ size_t SupernodalCholesky::Place(const Supernode& supernode, int place_in_rows, 
 }
 
 void SupernodalCholesky::PlaceEntries(const SparseMatrix<double>& Q) {
-  std::vector<int> local(new_of_old_.size(), -1);
+  Vector<int> local(new_of_old_.size(), -1);
   diagonal_places_.resize(new_of_old_.size());
   for (const Supernode& supernode : supernodes_) {
     entries_begin_.push_back(entries_.size());

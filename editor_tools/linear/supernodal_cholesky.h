@@ -5,6 +5,7 @@
 // merged. Their panels are dense, and the kernels of panel_kernels/ work on them.
 #pragma once
 
+#include "core/vector.h"
 #include "linear/elimination.h"
 #include "linear/large_buffer.h"
 #include "linear/panel_kernels/panel_kernels.h"
@@ -12,7 +13,6 @@
 #include <Eigen/SparseCore>
 
 #include <cstddef>
-#include <vector>
 
 namespace limber::linear {
 
@@ -35,10 +35,10 @@ class SupernodalCholesky {
   struct Factor {
     bool definite = false;  // else its numbers mean nothing
     LargeBuffer values;     // [num_values]
-    std::vector<double> x;  // [n], in the order of the elimination
+    Vector<double> x;       // [n], in the order of the elimination
     // Supernodes with rows that are still to be taken from, each listed where the next of these
     // rows belongs; and of a row of the matrix, its place in the panel that is being made.
-    std::vector<int> head, next, rows_done, local;
+    Vector<int> head, next, rows_done, local;
   };
 
   // L L^T = scale Q + diag(diagonal); diagonal: [n]. x: [n], in the right side, out the solution,
@@ -74,13 +74,13 @@ class SupernodalCholesky {
   void SolveBackward(Factor* factor, double* x) const;
 
   const PanelKernels& kernels_;
-  std::vector<int> new_of_old_, old_of_new_;
-  std::vector<Supernode> supernodes_;
-  std::vector<int> supernode_of_;  // [n]
-  std::vector<int> rows_;
-  std::vector<size_t> entries_begin_;  // [supernodes + 1]
-  std::vector<Entry> entries_;
-  std::vector<size_t> diagonal_places_;  // [n]
+  Vector<int> new_of_old_, old_of_new_;
+  Vector<Supernode> supernodes_;
+  Vector<int> supernode_of_;  // [n]
+  Vector<int> rows_;
+  Vector<size_t> entries_begin_;  // [supernodes + 1]
+  Vector<Entry> entries_;
+  Vector<size_t> diagonal_places_;  // [n]
   size_t num_values_ = 0;
 };
 

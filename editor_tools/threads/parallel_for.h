@@ -1,12 +1,13 @@
 // A loop whose rounds do not depend on each other, on several threads.
 #pragma once
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
 #include <thread>
-#include <vector>
 
 namespace limber::threads {
 
@@ -30,7 +31,7 @@ void ParallelFor(int count, int num_threads, const Body& body) {
     }
   };
   {
-    std::vector<std::jthread> others;  // joined whatever happens, a thread that cannot start too
+    Vector<std::jthread> others;  // joined whatever happens, a thread that cannot start too
     for (int i = 1; i < std::min(num_threads, count); ++i)
       others.emplace_back(work);
     work();

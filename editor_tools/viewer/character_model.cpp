@@ -1,5 +1,6 @@
 #include "viewer/character_model.h"
 
+#include "core/vector.h"
 #include "shared/view_layout.h"
 
 #include <algorithm>
@@ -10,8 +11,8 @@ namespace limber::viewer {
 namespace {
 
 template <class T>
-Status FillBuffer(const VulkanDevice& device, const std::vector<T>& values,
-                  VkBufferUsageFlags usage, VulkanBuffer* buffer) {
+Status FillBuffer(const VulkanDevice& device, const Vector<T>& values, VkBufferUsageFlags usage,
+                  VulkanBuffer* buffer) {
   const size_t bytes = values.size() * sizeof(T);
   LIMBER_RETURN_IF_ERROR(
       buffer->Create(device.api(), std::max<size_t>(bytes, 16), usage, kUploadMemory));
@@ -59,7 +60,7 @@ Status CharacterModel::CreateMesh(const SkinMesh& mesh) {
   num_indices_ = static_cast<uint32_t>(mesh.triangles.size());
   LIMBER_RETURN_IF_ERROR(
       FillBuffer(*device_, mesh.triangles, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &indices_));
-  std::vector<float> coordinates = mesh.texcoords;
+  Vector<float> coordinates = mesh.texcoords;
   coordinates.resize(size_t{mesh.num_draw_vertices} * 2, 0.0f);
   return FillBuffer(*device_, coordinates, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &texcoords_);
 }
@@ -68,7 +69,7 @@ void CharacterModel::ListDraws(const CharacterSource& source) {
   const SkinMesh& mesh = *source.mesh;
   const auto add = [&](int material, uint64_t first, uint64_t count) {
     CharacterDraw draw;
-    const std::vector<Material>& materials = source.materials.materials;
+    const Vector<Material>& materials = source.materials.materials;
     const bool known = material >= 0 && static_cast<size_t>(material) < materials.size();
     draw.material = known ? materials[static_cast<size_t>(material)] : DefaultMaterial();
     if (source.dimension == 2) {
@@ -107,7 +108,7 @@ Status CharacterModel::CreateTextures(const MaterialSet& set) {
   LIMBER_RETURN_IF_ERROR(AddTexture(white, false, &first));
   color_slot_.assign(set.images.size(), -1);
   normal_slot_.assign(set.images.size(), -1);
-  const auto add = [&](const MaterialTexture& texture, bool srgb, std::vector<int>* slots) {
+  const auto add = [&](const MaterialTexture& texture, bool srgb, Vector<int>* slots) {
     if (texture.image < 0) return Status();
     const auto i = static_cast<size_t>(texture.image);
     return AddTexture(set.images.at(i), srgb, &slots->at(i));
@@ -164,7 +165,7 @@ Status CharacterModel::WriteSet(const CharacterDraw& draw) {
     const bool is_color = i == LIMBER_VIEW_BASE_COLOR;
     const MaterialTexture& texture =
         is_color ? draw.material.base_color_texture : draw.material.normal_texture;
-    const std::vector<int>& slots = is_color ? color_slot_ : normal_slot_;
+    const Vector<int>& slots = is_color ? color_slot_ : normal_slot_;
     const int slot = texture.image < 0 ? 0 : slots[static_cast<size_t>(texture.image)];
     images[i] = {Sampler(texture), textures_[static_cast<size_t>(slot)].view(),
                  VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};

@@ -1,6 +1,7 @@
 // A character on the device: its skinner, triangles, texture coordinates, materials and textures.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 #include "skin_vulkan/vulkan_skinner.h"
@@ -9,7 +10,6 @@
 #include "viewer/texture.h"
 
 #include <memory>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -53,7 +53,7 @@ class CharacterModel {
   void Bind(VkCommandBuffer commands, uint32_t frame) const;
 
   // Opaque ones first.
-  const std::vector<CharacterDraw>& draws() const { return draws_; }
+  const Vector<CharacterDraw>& draws() const { return draws_; }
 
   uint32_t num_indices() const { return num_indices_; }
 
@@ -76,10 +76,10 @@ class CharacterModel {
   VulkanBuffer vertices_;  // of every slot, one after the other
   VulkanBuffer indices_, texcoords_;
   uint32_t num_indices_ = 0, num_vertices_ = 0;
-  std::vector<CharacterDraw> draws_;
-  std::vector<GpuImage> textures_;             // [0] is one white pixel
-  std::vector<int> color_slot_, normal_slot_;  // by image: index into textures_, -1 unused
-  std::vector<std::pair<uint32_t, VkSampler>> samplers_;
+  Vector<CharacterDraw> draws_;
+  Vector<GpuImage> textures_;             // [0] is one white pixel
+  Vector<int> color_slot_, normal_slot_;  // by image: index into textures_, -1 unused
+  Vector<std::pair<uint32_t, VkSampler>> samplers_;
   VulkanDescriptors sets_;
 };
 

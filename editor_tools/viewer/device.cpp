@@ -1,5 +1,6 @@
 #include "viewer/device.h"
 
+#include "core/vector.h"
 #include "viewer/vulkan_list.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ VkDebugUtilsMessengerCreateInfoEXT MessengerInfo(ValidationLog* log) {
 }
 
 bool HasValidationLayer() {
-  std::vector<VkLayerProperties> layers;
+  Vector<VkLayerProperties> layers;
   ListAll(vkEnumerateInstanceLayerProperties, &layers);
   return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
     return std::strcmp(layer.layerName, kValidationLayer) == 0;
@@ -38,7 +39,7 @@ bool HasValidationLayer() {
 }
 
 bool HasDeviceExtension(VkPhysicalDevice device, const char* name) {
-  std::vector<VkExtensionProperties> extensions;
+  Vector<VkExtensionProperties> extensions;
   const auto ask = [device](uint32_t* count, VkExtensionProperties* out) {
     return vkEnumerateDeviceExtensionProperties(device, nullptr, count, out);
   };
@@ -48,8 +49,8 @@ bool HasDeviceExtension(VkPhysicalDevice device, const char* name) {
   });
 }
 
-std::vector<VkQueueFamilyProperties> QueueFamilies(VkPhysicalDevice device) {
-  std::vector<VkQueueFamilyProperties> families;
+Vector<VkQueueFamilyProperties> QueueFamilies(VkPhysicalDevice device) {
+  Vector<VkQueueFamilyProperties> families;
   const auto ask = [device](uint32_t* count, VkQueueFamilyProperties* out) {
     vkGetPhysicalDeviceQueueFamilyProperties(device, count, out);
   };
@@ -110,7 +111,7 @@ Status VulkanDevice::CreateInstance(const DeviceOptions& options) {
   application.apiVersion = VK_API_VERSION_1_1;
   auto info = VulkanInfo<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pApplicationInfo = &application;
-  std::vector<const char*> extensions = options.instance_extensions;
+  Vector<const char*> extensions = options.instance_extensions;
   const char* layer = kValidationLayer;
   VkDebugUtilsMessengerCreateInfoEXT messenger = MessengerInfo(log_.get());
   const VkValidationFeatureEnableEXT enabled[] = {
@@ -146,7 +147,7 @@ Status VulkanDevice::CreateInstance(const DeviceOptions& options) {
 }
 
 bool VulkanDevice::FindQueueFamily(VkPhysicalDevice candidate, uint32_t* family) const {
-  const std::vector<VkQueueFamilyProperties> families = QueueFamilies(candidate);
+  const Vector<VkQueueFamilyProperties> families = QueueFamilies(candidate);
   constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
   for (uint32_t i = 0; i < families.size(); ++i) {
     if ((families[i].queueFlags & kNeeded) != kNeeded) continue;
@@ -162,7 +163,7 @@ bool VulkanDevice::FindQueueFamily(VkPhysicalDevice candidate, uint32_t* family)
 }
 
 Status VulkanDevice::ChoosePhysicalDevice() {
-  std::vector<VkPhysicalDevice> candidates;
+  Vector<VkPhysicalDevice> candidates;
   const auto ask = [this](uint32_t* count, VkPhysicalDevice* out) {
     return vkEnumeratePhysicalDevices(instance_, count, out);
   };

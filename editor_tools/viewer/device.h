@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_api.h"
 #include "viewer/validation_log.h"
 
@@ -13,14 +14,13 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace limber::viewer {
 
 struct DeviceOptions {
   // The Khronos layer with synchronization validation. kDeviceError where it is not installed.
   bool validation = false;
-  std::vector<const char*> instance_extensions;  // for a window: what GLFW asks for
+  Vector<const char*> instance_extensions;  // for a window: what GLFW asks for
   // Makes the window's surface, after the instance and before a device is chosen; null: headless.
   // The device then is one that can present to it, and has VK_KHR_swapchain.
   std::function<VkResult(VkInstance, VkSurfaceKHR*)> create_surface;

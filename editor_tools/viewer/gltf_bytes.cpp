@@ -1,5 +1,7 @@
 #include "viewer/gltf_bytes.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -13,7 +15,7 @@ using Json = nlohmann::json;
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-Result<std::vector<uint8_t>> ReadFile(const std::filesystem::path& path) {
+Result<Vector<uint8_t>> ReadFile(const std::filesystem::path& path) {
   std::error_code error;
   const uint64_t size = std::filesystem::file_size(path, error);
   if (error) {
@@ -22,7 +24,7 @@ Result<std::vector<uint8_t>> ReadFile(const std::filesystem::path& path) {
   if (size > kMaxFileBytes) {
     return Error(StatusCode::kLimitExceeded, "%s: larger than 2 GiB", path.string().c_str());
   }
-  std::vector<uint8_t> bytes(size);
+  Vector<uint8_t> bytes(size);
   std::ifstream file(path, std::ios::binary);
   if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
     return Error(StatusCode::kIoError, "%s: cannot be read", path.string().c_str());
@@ -30,7 +32,7 @@ Result<std::vector<uint8_t>> ReadFile(const std::filesystem::path& path) {
   return bytes;
 }
 
-uint32_t Word(const std::vector<uint8_t>& bytes, size_t offset) {
+uint32_t Word(const Vector<uint8_t>& bytes, size_t offset) {
   uint32_t word = 0;
   std::memcpy(&word, bytes.data() + offset, 4);
   return word;
@@ -51,8 +53,8 @@ int Base64Digit(char c) {
   return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-std::vector<uint8_t> DecodeBase64(const char* text, size_t length) {
-  std::vector<uint8_t> bytes;
+Vector<uint8_t> DecodeBase64(const char* text, size_t length) {
+  Vector<uint8_t> bytes;
   uint32_t bits = 0;
   int num_bits = 0;
   for (size_t i = 0; i < length; ++i) {
@@ -91,7 +93,7 @@ bool IsConfined(const std::filesystem::path& relative) {
 }  // namespace
 
 Result<GltfBytes> GltfBytes::Open(const std::filesystem::path& path) {
-  Result<std::vector<uint8_t>> bytes = ReadFile(path);
+  Result<Vector<uint8_t>> bytes = ReadFile(path);
   if (!bytes.ok()) return bytes.status();
   GltfBytes file;
   file.path_ = path;
@@ -119,7 +121,7 @@ Result<GltfBytes> GltfBytes::Open(const std::filesystem::path& path) {
   return file;
 }
 
-Result<std::vector<uint8_t>> GltfBytes::ReadImageBytes(const Json& image) const {
+Result<Vector<uint8_t>> GltfBytes::ReadImageBytes(const Json& image) const {
   if (image.is_object()) {
     const auto view = image.find("bufferView");
     if (view != image.end()) return ReadBufferView(*view);
@@ -129,7 +131,7 @@ Result<std::vector<uint8_t>> GltfBytes::ReadImageBytes(const Json& image) const 
   return Error(StatusCode::kMalformed, "has neither a buffer view nor a file");
 }
 
-Result<std::vector<uint8_t>> GltfBytes::ReadBufferView(const Json& index) const {
+Result<Vector<uint8_t>> GltfBytes::ReadBufferView(const Json& index) const {
   const auto views = json_.find("bufferViews");
   if (views == json_.end() || !views->is_array() || !index.is_number_integer() ||
       index.get<int64_t>() < 0 || static_cast<size_t>(index.get<int64_t>()) >= views->size()) {
@@ -137,8 +139,8 @@ Result<std::vector<uint8_t>> GltfBytes::ReadBufferView(const Json& index) const 
   }
   const Json& view = (*views)[static_cast<size_t>(index.get<int64_t>())];
   if (!view.is_object()) return Error(StatusCode::kMalformed, "its buffer view is no object");
-  std::vector<uint8_t> external;
-  const std::vector<uint8_t>* buffer = &binary_;
+  Vector<uint8_t> external;
+  const Vector<uint8_t>* buffer = &binary_;
   const auto buffers = json_.find("buffers");
   const int64_t buffer_index = Count(view, "buffer", -1);
   if (buffers == json_.end() || !buffers->is_array() || buffer_index < 0 ||
@@ -147,7 +149,7 @@ Result<std::vector<uint8_t>> GltfBytes::ReadBufferView(const Json& index) const 
   }
   const Json& entry = (*buffers)[static_cast<size_t>(buffer_index)];
   if (entry.is_object() && entry.contains("uri") && entry["uri"].is_string()) {
-    Result<std::vector<uint8_t>> bytes = ReadUri(entry["uri"].get_ref<const std::string&>());
+    Result<Vector<uint8_t>> bytes = ReadUri(entry["uri"].get_ref<const std::string&>());
     if (!bytes.ok()) return bytes.status();
     external = std::move(*bytes);
     buffer = &external;
@@ -157,10 +159,10 @@ Result<std::vector<uint8_t>> GltfBytes::ReadBufferView(const Json& index) const 
   if (offset < 0 || length < 0 || offset > size || length > size - offset) {
     return Error(StatusCode::kMalformed, "its buffer view reaches past the buffer");
   }
-  return std::vector<uint8_t>(buffer->begin() + offset, buffer->begin() + offset + length);
+  return Vector<uint8_t>(buffer->begin() + offset, buffer->begin() + offset + length);
 }
 
-Result<std::vector<uint8_t>> GltfBytes::ReadUri(const std::string& uri) const {
+Result<Vector<uint8_t>> GltfBytes::ReadUri(const std::string& uri) const {
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');
     if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos) {

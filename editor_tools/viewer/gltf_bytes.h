@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -21,15 +21,15 @@ class GltfBytes {
 
   // The encoded bytes of one element of "images": from a buffer view of the binary chunk or of the
   // first buffer's file, a data URI, or a file inside the glTF's own folder.
-  Result<std::vector<uint8_t>> ReadImageBytes(const nlohmann::json& image) const;
+  Result<Vector<uint8_t>> ReadImageBytes(const nlohmann::json& image) const;
 
  private:
-  Result<std::vector<uint8_t>> ReadBufferView(const nlohmann::json& index) const;
-  Result<std::vector<uint8_t>> ReadUri(const std::string& uri) const;
+  Result<Vector<uint8_t>> ReadBufferView(const nlohmann::json& index) const;
+  Result<Vector<uint8_t>> ReadUri(const std::string& uri) const;
 
   std::filesystem::path path_;
   nlohmann::json json_;
-  std::vector<uint8_t> binary_;
+  Vector<uint8_t> binary_;
 };
 
 }  // namespace limber::viewer

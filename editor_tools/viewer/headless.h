@@ -1,6 +1,7 @@
 // Frames without a window: a device, a renderer and the way back to main memory.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "viewer/image.h"
 #include "viewer/picture_reader.h"
@@ -48,7 +49,7 @@ class HeadlessRenderer {
 
   const ValidationLog& validation_log() const { return device_->validation_log(); }
 
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const Vector<std::string>& warnings() const { return warnings_; }
 
  private:
   HeadlessRenderer() = default;
@@ -57,7 +58,7 @@ class HeadlessRenderer {
   std::unique_ptr<Renderer> renderer_;
   PictureReader reader_;
   FrameTimes times_;
-  std::vector<std::string> warnings_;
+  Vector<std::string> warnings_;
 };
 
 }  // namespace limber::viewer

@@ -2,17 +2,17 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
 
 namespace limber::viewer {
 
 // Rows from the top, four bytes a pixel: red, green, blue, alpha; sRGB.
 struct Image {
   uint32_t width = 0, height = 0;
-  std::vector<uint8_t> rgba;
+  Vector<uint8_t> rgba;
 
   const uint8_t* pixel(uint32_t x, uint32_t y) const {
     return rgba.data() + (size_t{y} * width + x) * 4;

@@ -1,5 +1,6 @@
 #include "viewer/materials.h"
 
+#include "core/vector.h"
 #include "viewer/gltf_bytes.h"
 #include "viewer/texture.h"
 
@@ -70,8 +71,7 @@ class ImageReader {
     const auto known = decoded_.find(index);
     if (known != decoded_.end()) return known->second;
     int& slot = decoded_[index] = -1;
-    Result<std::vector<uint8_t>> bytes =
-        file_.ReadImageBytes(Element(file_.json(), "images", index));
+    Result<Vector<uint8_t>> bytes = file_.ReadImageBytes(Element(file_.json(), "images", index));
     Result<Image> image = bytes.ok() ? DecodeImage(*bytes) : Result<Image>(bytes.status());
     if (!image.ok()) {
       set_->warnings.push_back("image " + std::to_string(index) + ": " + image.status().message() +

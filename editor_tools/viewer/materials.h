@@ -6,13 +6,13 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "viewer/image.h"
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -39,9 +39,9 @@ struct Material {
 };
 
 struct MaterialSet {
-  std::vector<Material> materials;  // in the file's order
-  std::vector<Image> images;        // those in use, decoded
-  std::vector<std::string> warnings;
+  Vector<Material> materials;  // in the file's order
+  Vector<Image> images;        // those in use, decoded
+  Vector<std::string> warnings;
 };
 
 // The material of primitives without one: matt clay.

@@ -1,5 +1,6 @@
 #include "viewer/play_character.h"
 
+#include "core/vector.h"
 #include "viewer/play_drag.h"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ PlayCharacter::PlayCharacter(PoseState state, CpuSkinner skinner, Picker picker)
       picker_(std::move(picker)) {}
 
 void PlayCharacter::PlaceHandles() {
-  const std::vector<RigHandle>& handles = rig().tables().handles;
+  const Vector<RigHandle>& handles = rig().tables().handles;
   for (size_t h = 0; h < handles.size(); ++h) {
     const uint32_t v = handles[h].vertex;
     pinned_[h] = state_.is_pinned(static_cast<int>(h));

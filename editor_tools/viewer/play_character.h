@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "pick/picker.h"
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
@@ -10,7 +11,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -78,7 +78,7 @@ class PlayCharacter {
   CpuSkinner skinner_;
   Picker picker_;
   PoseOptions options_;
-  std::vector<Vec3> handle_positions_;
+  Vector<Vec3> handle_positions_;
   std::unique_ptr<bool[]> pinned_;
   int grab_ = -1;
   bool moving_ = true;

@@ -1,5 +1,6 @@
 #include "viewer/play_swapchain.h"
 
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_info.h"
 #include "viewer/vulkan_list.h"
 
@@ -56,7 +57,7 @@ Swapchain::~Swapchain() {
 }
 
 Status Swapchain::ChooseFormat() {
-  std::vector<VkSurfaceFormatKHR> formats;
+  Vector<VkSurfaceFormatKHR> formats;
   const auto ask = [this](uint32_t* count, VkSurfaceFormatKHR* out) {
     return vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical_device, surface_, count, out);
   };
@@ -76,7 +77,7 @@ Status Swapchain::ChooseFormat() {
 Status Swapchain::ChoosePresentMode(bool wait_for_display) {
   present_mode_ = VK_PRESENT_MODE_FIFO_KHR;  // always there
   if (wait_for_display) return {};
-  std::vector<VkPresentModeKHR> modes;
+  Vector<VkPresentModeKHR> modes;
   const auto ask = [this](uint32_t* count, VkPresentModeKHR* out) {
     return vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical_device, surface_, count, out);
   };
@@ -143,7 +144,7 @@ Status Swapchain::CreateSemaphores() {
   drawn_.assign(images_.size(), VK_NULL_HANDLE);
   ready_.assign(images_.size() + 1, VK_NULL_HANDLE);
   next_ready_ = 0;
-  for (std::vector<VkSemaphore>* set : {&drawn_, &ready_}) {
+  for (Vector<VkSemaphore>* set : {&drawn_, &ready_}) {
     for (VkSemaphore& each : *set) {
       const VkResult result = vkCreateSemaphore(device_.device, &info, nullptr, &each);
       if (result != VK_SUCCESS) return Failed("vkCreateSemaphore", result);
@@ -153,7 +154,7 @@ Status Swapchain::CreateSemaphores() {
 }
 
 void Swapchain::DestroySemaphores() {
-  for (std::vector<VkSemaphore>* set : {&drawn_, &ready_}) {
+  for (Vector<VkSemaphore>* set : {&drawn_, &ready_}) {
     for (const VkSemaphore each : *set)
       vkDestroySemaphore(device_.device, each, nullptr);
     set->clear();

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <volk.h>
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -67,9 +67,9 @@ class Swapchain {
   VkSurfaceFormatKHR format_ = {};
   VkPresentModeKHR present_mode_ = VK_PRESENT_MODE_FIFO_KHR;
   VkExtent2D extent_ = {};
-  std::vector<VkImage> images_;
-  std::vector<VkSemaphore> drawn_;  // one for each image: presenting may outlast the frame's fence
-  std::vector<VkSemaphore> ready_;  // used in turn; one more than images
+  Vector<VkImage> images_;
+  Vector<VkSemaphore> drawn_;  // one for each image: presenting may outlast the frame's fence
+  Vector<VkSemaphore> ready_;  // used in turn; one more than images
   size_t next_ready_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "viewer/play_window.h"
 
+#include "core/vector.h"
 #include "load/rig_loader.h"
 #include "viewer/play_character.h"
 #include "viewer/play_controls.h"
@@ -9,7 +10,6 @@
 
 #include <chrono>
 #include <utility>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -65,7 +65,7 @@ class PlaySession {
   std::unique_ptr<PlayCharacter> character_;
   std::unique_ptr<PlayControls> controls_;
   std::unique_ptr<PlayTitle> title_;
-  std::vector<HandleDot> dots_;
+  Vector<HandleDot> dots_;
   Clock::time_point last_input_ = Clock::now();
   bool redraw_ = true;
   bool refused_ = false;  // the window did not take the last frame
@@ -80,7 +80,7 @@ Status PlaySession::Open(const std::shared_ptr<const Rig>& rig, MaterialSet mate
   if (!character.ok()) return character.status();
   character_ = std::make_unique<PlayCharacter>(std::move(*character));
 
-  title_ = std::make_unique<PlayTitle>(rig->name());
+  title_ = std::make_unique<PlayTitle>(std::string(rig->name()));
   Result<std::unique_ptr<PlayScreen>> screen =
       PlayScreen::Open(title_->text(), options_.width, options_.height);
   if (!screen.ok()) return screen.status();

@@ -1,5 +1,6 @@
 #include "viewer/render_pipelines.h"
 
+#include "core/vector.h"
 #include "shaders/background_frag.spv.h"
 #include "shaders/character_frag.spv.h"
 #include "shaders/character_vert.spv.h"
@@ -15,7 +16,6 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace limber::viewer {
 namespace {
@@ -24,8 +24,8 @@ enum class Depth { kNone, kTest, kTestAndWrite };
 enum class VertexKind { kNone, kPosition, kCharacter, kDot };
 
 struct VertexLayout {
-  std::vector<VkVertexInputBindingDescription> bindings;
-  std::vector<VkVertexInputAttributeDescription> attributes;
+  Vector<VkVertexInputBindingDescription> bindings;
+  Vector<VkVertexInputAttributeDescription> attributes;
 };
 
 VertexLayout MakeVertexLayout(VertexKind kind) {

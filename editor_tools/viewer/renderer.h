@@ -5,6 +5,7 @@
 // a window's image. One thread at a time.
 #pragma once
 
+#include "core/vector.h"
 #include "skin/skin_transforms.h"
 #include "viewer/camera.h"
 #include "viewer/character_model.h"
@@ -13,7 +14,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -100,7 +100,7 @@ class Renderer {
   RenderTargets targets_;
   RenderPipelines pipelines_;
   std::unique_ptr<CharacterModel> model_;
-  std::vector<Slot> slots_;
+  Vector<Slot> slots_;
   VulkanDescriptors sets_;
   VkQueryPool queries_ = VK_NULL_HANDLE;
   Bounds bounds_, view_bounds_;

@@ -1,5 +1,6 @@
 #include "viewer/texture.h"
 
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_buffer.h"
 
 #include <stb_image.h>
@@ -43,8 +44,8 @@ uint8_t Mean(const std::array<const uint8_t*, 4>& pixels, size_t channel, bool c
   return code_is_srgb ? SrgbOfLinear(sum / 4) : static_cast<uint8_t>(std::lround(sum / 4));
 }
 
-std::vector<Image> MipChain(const Image& image, bool srgb) {
-  std::vector<Image> levels = {image};
+Vector<Image> MipChain(const Image& image, bool srgb) {
+  Vector<Image> levels = {image};
   while (levels.back().width > 1 || levels.back().height > 1) {
     levels.push_back(HalfSize(levels.back(), srgb));
   }
@@ -52,7 +53,7 @@ std::vector<Image> MipChain(const Image& image, bool srgb) {
 }
 
 void RecordUpload(VkCommandBuffer commands, VkBuffer from, VkImage to,
-                  const std::vector<VkBufferImageCopy>& copies) {
+                  const Vector<VkBufferImageCopy>& copies) {
   VkImageMemoryBarrier to_write =
       LayoutChange(to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   to_write.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -115,7 +116,7 @@ Result<Image> DecodeImage(std::span<const uint8_t> encoded) {
 }
 
 Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool srgb) {
-  const std::vector<Image> levels = MipChain(image, srgb);
+  const Vector<Image> levels = MipChain(image, srgb);
   GpuImageOptions options;
   options.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
   options.extent = {image.width, image.height};
@@ -125,7 +126,7 @@ Result<GpuImage> UploadTexture(VulkanDevice* device, const Image& image, bool sr
   LIMBER_RETURN_IF_ERROR(texture.Create(*device, options));
 
   BufferPlan plan(16);
-  std::vector<VkBufferImageCopy> copies;
+  Vector<VkBufferImageCopy> copies;
   for (const Image& level : levels) {
     VkBufferImageCopy copy{};
     copy.bufferOffset = plan.Add(level.rgba.size()).offset;

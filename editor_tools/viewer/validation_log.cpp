@@ -1,5 +1,7 @@
 #include "viewer/validation_log.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -10,7 +12,7 @@ int ValidationLog::count() const {
   return count_;
 }
 
-std::vector<std::string> ValidationLog::messages() const {
+Vector<std::string> ValidationLog::messages() const {
   const std::lock_guard lock(mutex_);
   return messages_;
 }

@@ -1,11 +1,12 @@
 // Vulkan's way of listing things: asked once how many there are, and once more for them.
 #pragma once
 
+#include "core/vector.h"
+
 #include <volk.h>
 
 #include <cstdint>
 #include <type_traits>
-#include <vector>
 
 namespace limber::viewer {
 
@@ -13,7 +14,7 @@ namespace limber::viewer {
 // nothing counts as a success. What it says at last: VK_SUCCESS, VK_INCOMPLETE where the list grew
 // in between (what was there is in `items`), or an error.
 template <class Item, class Ask>
-VkResult ListAll(const Ask& ask, std::vector<Item>* items) {
+VkResult ListAll(const Ask& ask, Vector<Item>* items) {
   const auto call = [&ask](uint32_t* count, Item* out) {
     if constexpr (std::is_void_v<decltype(ask(count, out))>) {
       ask(count, out);

@@ -17,7 +17,7 @@ CallStatus CheckClip(const HandleClips& clips, int32_t clip) {
 std::string NamesOf(const HandleClips& clips) {
   std::string names;
   for (int clip = 0; clip < clips.num_clips(); ++clip)
-    names += (clip == 0 ? "" : ", ") + clips.name(clip);
+    names += std::string(clip == 0 ? "" : ", ").append(clips.name(clip));
   return names.empty() ? "none that moves a handle" : names;
 }
 
@@ -69,9 +69,9 @@ CallStatus Apply(const LimberClipDef& def, Instance* instance) {
     CallStatus applied = ApplyTo(def, handle, clips.Sample(moment, handle), instance);
     if (applied.ok()) continue;
     const auto index = static_cast<size_t>(handle.handle);
-    const std::string& name = instance->rig->tables().handles[index].name;
-    return {applied.result,
-            "clip " + clips.name(def.clip) + ": handle " + name + ": " + applied.message};
+    const String& name = instance->rig->tables().handles[index].name;
+    return {applied.result, "clip " + std::string(clips.name(def.clip)) + ": handle " +
+                                std::string(name) + ": " + applied.message};
   }
   return {};
 }

@@ -7,6 +7,7 @@ namespace limber::capi {
 namespace {
 
 constexpr uint32_t kContextCookie = 0x4C4D4301;
+constexpr size_t kStrictestAlignment = 64;  // of all that is asked of a host's allocator
 
 // Why the last limberCreateContext of this thread failed; static storage.
 thread_local const char* create_message = "";
@@ -18,6 +19,47 @@ LimberResult CreateFailed(LimberResult result, const char* message) {
 
 uint32_t MajorOf(uint32_t version) {
   return version >> 22;
+}
+
+// The host's functions, kept in memory of their own, as long as the context.
+LimberResult KeepMemorySource(const LimberContextDef& def, const MemorySource** kept) {
+  const MemorySource host = {def.allocate, def.free, def.memory_user};
+  if ((host.allocate == nullptr) != (host.free == nullptr)) {
+    return CreateFailed(LIMBER_ERROR_INVALID_ARGUMENT,
+                        "limberCreateContext: allocate, free: one of them is null");
+  }
+  if (host.allocate == nullptr) return LIMBER_SUCCESS;
+  void* memory = host.allocate(host.user, sizeof(host), kStrictestAlignment);
+  if (memory == nullptr) {
+    return CreateFailed(LIMBER_ERROR_OUT_OF_MEMORY,
+                        "limberCreateContext: allocate: gave null for the first few bytes");
+  }
+  if (reinterpret_cast<uintptr_t>(memory) % kStrictestAlignment != 0) {
+    host.free(host.user, memory, sizeof(host), kStrictestAlignment);
+    return CreateFailed(LIMBER_ERROR_INVALID_ARGUMENT,
+                        "limberCreateContext: allocate: gave memory that is not aligned as asked");
+  }
+  *kept = new (memory) MemorySource(host);
+  return LIMBER_SUCCESS;
+}
+
+void ForgetMemorySource(const MemorySource* kept) {
+  if (kept == nullptr) return;
+  const MemorySource host = *kept;
+  host.free(host.user, const_cast<MemorySource*>(kept), sizeof(host), kStrictestAlignment);
+}
+
+// Null where there is no memory for it.
+LimberContext* MakeContext(const LimberContextDef& def, const MemorySource* memory) {
+  const MemoryScope scope(memory);
+  try {
+    auto* made = new LimberContext();
+    made->def = def;
+    made->memory = memory;
+    return made;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
 }
 
 size_t CopyText(const char* text, size_t length, char* to, size_t size) {
@@ -36,7 +78,7 @@ LimberResult End(LimberContext* context, const char* function, const CallStatus&
     message = std::string(function) + ": " +
               (status.message.empty() ? limberResultString(status.result) : status.message);
     const std::lock_guard lock(context->message_mutex);
-    context->message = message;
+    context->message.assign(message);
   } catch (const std::bad_alloc&) {  // then the code has to do
   }
   if (context->def.log != nullptr)
@@ -61,7 +103,8 @@ CallStatus StaleId(const char* what, uint32_t index, uint32_t generation) {
 
 }  // namespace limber::capi
 
-using limber::capi::CreateFailed;
+using namespace limber;        // NOLINT(google-build-using-namespace): entry points in C's own
+using namespace limber::capi;  // NOLINT(google-build-using-namespace)
 
 extern "C" {
 
@@ -71,7 +114,7 @@ uint32_t limberGetVersion(void) {
 
 LimberContextDef limberDefaultContextDefOfVersion(uint32_t header_version) {
   LimberContextDef def = {};
-  def.cookie = limber::capi::kContextCookie;
+  def.cookie = kContextCookie;
   def.struct_size = sizeof(def);
   def.header_version = header_version;
   return def;
@@ -81,36 +124,45 @@ LimberResult limberCreateContext(const LimberContextDef* def, LimberContext** co
   if (context == nullptr)
     return CreateFailed(LIMBER_ERROR_INVALID_ARGUMENT, "limberCreateContext: context: is null");
   LimberContextDef full = limberDefaultContextDef();
-  const limber::capi::CallStatus status =
-      limber::capi::Catch([&] { return limber::capi::ReadDef(def, "LimberContextDef", &full); });
+  const CallStatus status = Catch([&] { return ReadDef(def, "LimberContextDef", &full); });
   if (!status.ok()) {
     return CreateFailed(status.result,
                         "limberCreateContext: def: not what limberDefaultContextDef() gives");
   }
-  if (limber::capi::MajorOf(full.header_version) != LIMBER_VERSION_MAJOR) {
+  if (MajorOf(full.header_version) != LIMBER_VERSION_MAJOR) {
     return CreateFailed(
         LIMBER_ERROR_VERSION_MISMATCH,
         "limberCreateContext: limber.h is of another major version than the library");
   }
-  auto* made = new (std::nothrow) LimberContext{};
-  if (made == nullptr)
+  const MemorySource* memory = nullptr;
+  const LimberResult kept = KeepMemorySource(full, &memory);
+  if (kept != LIMBER_SUCCESS) return kept;
+  LimberContext* made = MakeContext(full, memory);
+  if (made == nullptr) {
+    ForgetMemorySource(memory);
     return CreateFailed(LIMBER_ERROR_OUT_OF_MEMORY, "limberCreateContext: out of memory");
-  made->def = full;
+  }
   *context = made;
   return LIMBER_SUCCESS;
 }
 
 void limberDestroyContext(LimberContext* context) {
-  delete context;
+  if (context == nullptr) return;
+  const MemorySource* memory = context->memory;
+  {
+    const MemoryScope scope(memory);  // destructors may make things, too
+    delete context;
+  }
+  ForgetMemorySource(memory);
 }
 
 size_t limberGetLastMessage(const LimberContext* context, char* message, size_t size) {
   if (context == nullptr) {
-    const char* text = limber::capi::create_message;
-    return limber::capi::CopyText(text, std::strlen(text), message, size);
+    const char* text = create_message;
+    return CopyText(text, std::strlen(text), message, size);
   }
   const std::lock_guard lock(context->message_mutex);
-  return limber::capi::CopyText(context->message.c_str(), context->message.size(), message, size);
+  return CopyText(context->message.c_str(), context->message.size(), message, size);
 }
 
 }  // extern "C"

@@ -8,6 +8,7 @@
 #include "capi/worker_pool.h"
 #include "clips/handle_clips.h"
 #include "core/object_pool.h"
+#include "core/vector.h"
 #include "drive/input_recorder.h"
 #include "drive/spring_follower.h"
 #include "rig/rig.h"
@@ -21,7 +22,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace limber::capi {
 
@@ -32,7 +32,7 @@ struct SkinShare {
 };
 
 // A loaded rig, and what its instances share, made for the first of them.
-struct RigEntry {
+struct RigEntry : NewFromSource {
   std::shared_ptr<const Rig> rig;
   std::shared_ptr<const HandleClips> clips;
   std::mutex mutex;  // of the rest, while it is made
@@ -48,7 +48,7 @@ struct HandleWishes {
   float rotation_stiffness = kHeldExactly;
 };
 
-struct Instance {
+struct Instance : NewFromSource {
   Instance(const LimberInstanceDef& with, const RigEntry& of, PoseState pose,
            std::shared_ptr<SkinShare> skin)
       : def(with),
@@ -64,15 +64,15 @@ struct Instance {
   std::shared_ptr<const HandleClips> clips;
   PoseState state;
   std::shared_ptr<SkinShare> skins;         // null: made without room for it
-  std::vector<HandleWishes> wishes;         // [H], for another rig to take over
-  std::vector<SpringFollower> followers;    // [H]
+  Vector<HandleWishes> wishes;              // [H], for another rig to take over
+  Vector<SpringFollower> followers;         // [H]
   std::unique_ptr<InputRecorder> recorder;  // null: nothing is recorded
   LimberSolveDef last_solve = limberDefaultSolveDef();
   std::atomic<bool> in_crowd = false;  // a call about many is at it
 };
 
 // What another room keeps in a context, unknown to this one.
-struct ContextPart {
+struct ContextPart : NewFromSource {
   ContextPart() = default;
   ContextPart(const ContextPart&) = delete;
   ContextPart& operator=(const ContextPart&) = delete;
@@ -81,13 +81,14 @@ struct ContextPart {
 
 }  // namespace limber::capi
 
-struct LimberContext {
+struct LimberContext : limber::NewFromSource {
   LimberContextDef def;
+  const limber::MemorySource* memory = nullptr;  // null: the heap
   limber::capi::SlotTable<limber::capi::RigEntry> rigs;
   limber::capi::SlotTable<limber::capi::Instance> instances;
   limber::capi::SlotTable<limber::capi::ContextPart> vulkans;  // capi_vulkan
   mutable std::mutex message_mutex;
-  std::string message;  // of the last failure
+  limber::String message;  // of the last failure
   std::once_flag workers_once;
   std::optional<limber::capi::WorkerPool> workers;  // limber::capi::Workers
 };
@@ -108,6 +109,7 @@ LimberResult End(LimberContext* context, const char* function, const CallStatus&
 template <class Body>
 LimberResult Call(LimberContext* context, const char* function, const Body& body) {
   if (context == nullptr) return LIMBER_ERROR_INVALID_ARGUMENT;
+  const MemoryScope memory(context->memory);
   const CallStatus status = Catch(body);
   return status.ok() ? LIMBER_SUCCESS : End(context, function, status);
 }

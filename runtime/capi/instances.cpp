@@ -19,7 +19,7 @@ Result<std::shared_ptr<PoseWorkspaces>> WorkspacesOf(RigEntry* entry) {
   if (entry->workspaces == nullptr) {
     auto model = PoseModel::Create(entry->rig);
     if (!model.ok()) return model.status();
-    entry->workspaces = std::make_shared<PoseWorkspaces>(std::move(model).value(), PoseRoom());
+    entry->workspaces = MakeShared<PoseWorkspaces>(std::move(model).value(), PoseRoom());
   }
   return entry->workspaces;
 }
@@ -29,7 +29,7 @@ Result<std::shared_ptr<SkinShare>> SkinsOf(RigEntry* entry) {
   if (entry->skins == nullptr) {
     auto surface = SkinSurface::Create(entry->rig->mesh(), entry->rig->tables().space);
     if (!surface.ok()) return surface.status();
-    auto skins = std::make_shared<SkinShare>();
+    auto skins = MakeShared<SkinShare>();
     skins->surface = std::move(surface).value();
     entry->skins = std::move(skins);
   }

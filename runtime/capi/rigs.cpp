@@ -1,5 +1,6 @@
 // limber.h: rigs.
 #include "capi/context.h"
+#include "core/vector.h"
 #include "load/rig_loader.h"
 
 namespace limber::capi {
@@ -15,7 +16,7 @@ CallStatus ReadRigDef(const LimberRigDef* def, RigLoadOptions* options) {
 }
 
 // Clips that cannot be read are no reason to have no character.
-void Warn(const LimberContext& context, const std::vector<std::string>& warnings) {
+void Warn(const LimberContext& context, const Vector<std::string>& warnings) {
   if (context.def.log == nullptr) return;
   for (const std::string& warning : warnings)
     context.def.log(context.def.log_user, LIMBER_SEVERITY_WARNING, warning.c_str());
@@ -28,7 +29,7 @@ CallStatus Load(const Result<GltfFile>& file, const RigLoadOptions& options, Lim
   if (!loaded.ok()) return loaded.status();
   auto entry = std::make_unique<RigEntry>();
   entry->rig = std::move(loaded).value();
-  std::vector<std::string> warnings;
+  Vector<std::string> warnings;
   auto clips = HandleClips::Read(*file, *entry->rig, options.rig_index, &warnings);
   if (!clips.ok()) return clips.status();
   entry->clips = std::move(clips).value();

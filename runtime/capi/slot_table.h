@@ -1,12 +1,13 @@
 // Objects behind the ids that a C caller holds: found without a lock, while others come and go.
 #pragma once
 
+#include "core/vector.h"
+
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 namespace limber::capi {
 
@@ -26,8 +27,6 @@ class SlotTable {
   ~SlotTable() {
     for (uint32_t index = 0; index < num_slots_; ++index)
       delete SlotAt(index)->object.load(std::memory_order_relaxed);
-    for (const std::atomic<Slot*>& chunk : chunks_)
-      delete[] chunk.load(std::memory_order_relaxed);
   }
 
   // False where the table is full. Throws std::bad_alloc, the table being as it was.
@@ -82,15 +81,18 @@ class SlotTable {
     if (num_slots_ == kChunk * kChunks) return false;
     free_.reserve(num_slots_ + 1);
     std::atomic<Slot*>& chunk = chunks_[num_slots_ / kChunk];
-    if (chunk.load(std::memory_order_relaxed) == nullptr)
-      chunk.store(new Slot[kChunk], std::memory_order_release);
+    if (chunk.load(std::memory_order_relaxed) == nullptr) {
+      owned_.emplace_back(kChunk);
+      chunk.store(owned_.back().data(), std::memory_order_release);
+    }
     free_.push_back(num_slots_++);
     return true;
   }
 
   std::mutex mutex_;  // of everything but Find
   std::array<std::atomic<Slot*>, kChunks> chunks_ = {};
-  std::vector<uint32_t> free_;
+  Vector<uint32_t> free_;
+  Vector<Vector<Slot>> owned_;  // what chunks_ points to
   uint32_t num_slots_ = 0;
 };
 

@@ -1,10 +1,11 @@
 // The threads of a context that has no job system of its host's: a loop over independent rounds.
 #pragma once
 
+#include "core/vector.h"
+
 #include <atomic>
 #include <cstdint>
 #include <thread>
-#include <vector>
 
 namespace limber::capi {
 
@@ -47,7 +48,7 @@ class WorkerPool {
   std::atomic<bool> running_ = false, stop_ = false;
   Task task_ = nullptr;  // written before loop_, read after a round of it is taken
   void* data_ = nullptr;
-  std::vector<std::thread> threads_;
+  Vector<std::thread> threads_;
 };
 
 }  // namespace limber::capi

@@ -4,10 +4,10 @@
 #include "limber/limber_vulkan.h"
 
 #include "capi/context.h"
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_skinner.h"
 
 #include <memory>
-#include <vector>
 
 namespace limber::capi {
 
@@ -22,9 +22,9 @@ struct VulkanEntry : ContextPart {
 
   LimberVulkanDef def;
   std::unique_ptr<VulkanSkinner> skinner;
-  std::vector<DeviceRig> rigs;
-  std::vector<VulkanSkinJob> jobs;   // of the frame that is being recorded
-  std::vector<Instance*> instances;  // theirs, marked
+  Vector<DeviceRig> rigs;
+  Vector<VulkanSkinJob> jobs;   // of the frame that is being recorded
+  Vector<Instance*> instances;  // theirs, marked
 };
 
 // The rig's tables on the device, made where they are not there yet.

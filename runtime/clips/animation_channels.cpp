@@ -1,5 +1,6 @@
 #include "clips/animation_channels.h"
 
+#include "core/vector.h"
 #include "load/json_text.h"
 
 #include <nlohmann/json.hpp>
@@ -107,8 +108,7 @@ std::string AnimationName(const GltfFile& file, size_t animation) {
   return text.empty() ? "clip_" + std::to_string(animation) : text;
 }
 
-Result<std::vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file,
-                                                            size_t animation) {
+Result<Vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file, size_t animation) {
   const Json& json = file.json()["animations"][animation];
   const std::string place = "animations[" + std::to_string(animation) + "]";
   if (!json.is_object()) return Malformed(place, "not an object");
@@ -116,7 +116,7 @@ Result<std::vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file
   if (entries == json.end() || !entries->is_array()) {
     return Malformed(place, "\"channels\" is not an array");
   }
-  std::vector<AnimationChannel> channels;
+  Vector<AnimationChannel> channels;
   for (size_t c = 0; c < entries->size(); ++c) {
     AnimationChannel channel;
     channel.place = place + ".channels[" + std::to_string(c) + "]";

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -32,6 +32,6 @@ std::string AnimationName(const GltfFile& file, size_t animation);
 
 // Errors, without the file's name: kMalformed (a member that is missing or of another type, a
 // number that is not in the file, an interpolation that glTF does not know).
-Result<std::vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file, size_t animation);
+Result<Vector<AnimationChannel>> ReadAnimationChannels(const GltfFile& file, size_t animation);
 
 }  // namespace limber

@@ -1,6 +1,7 @@
 #include "clips/animation_clip.h"
 
 #include "core/printable.h"
+#include "core/vector.h"
 
 #include <nlohmann/json.hpp>
 
@@ -85,7 +86,7 @@ Result<int> FindAnimationClip(const GltfFile& file, const std::string& wanted) {
                  "animations: there are several; choose one with --clip: %s",
                  ListClips(file).c_str());
   }
-  std::vector<size_t> matching;
+  Vector<size_t> matching;
   for (size_t a = 0; a < num_clips; ++a) {
     if (AnimationName(file, a) == wanted) matching.push_back(a);
   }
@@ -104,7 +105,7 @@ Result<int> FindAnimationClip(const GltfFile& file, const std::string& wanted) {
 
 Result<AnimationClip> ReadAnimationClip(const GltfFile& file, int animation) {
   const auto index = static_cast<size_t>(animation);
-  const Result<std::vector<AnimationChannel>> channels = ReadAnimationChannels(file, index);
+  const Result<Vector<AnimationChannel>> channels = ReadAnimationChannels(file, index);
   if (!channels.ok()) return channels.status();
   AnimationClip clip;
   clip.index = animation;
@@ -120,7 +121,7 @@ Result<AnimationClip> ReadAnimationClip(const GltfFile& file, int animation) {
   return clip;
 }
 
-void ApplyClip(const AnimationClip& clip, double time, std::vector<NodeTransform>* local) {
+void ApplyClip(const AnimationClip& clip, double time, Vector<NodeTransform>* local) {
   for (const ClipChannel& channel : clip.channels) {
     if (channel.path == ClipPath::kWeights) continue;
     NodeTransform& node = (*local)[static_cast<size_t>(channel.node)];
@@ -135,8 +136,7 @@ void ApplyClip(const AnimationClip& clip, double time, std::vector<NodeTransform
   }
 }
 
-void ApplyClipWeights(const AnimationClip& clip, double time, int node,
-                      std::vector<double>* weights) {
+void ApplyClipWeights(const AnimationClip& clip, double time, int node, Vector<double>* weights) {
   for (const ClipChannel& channel : clip.channels) {
     if (channel.path == ClipPath::kWeights && channel.node == node) {
       *weights = SampleTrack(channel.track, time);

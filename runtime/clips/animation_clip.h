@@ -4,10 +4,10 @@
 #include "clips/keyframe_track.h"
 #include "clips/node_transforms.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -24,7 +24,7 @@ struct AnimationClip {
   std::string name;     // "clip_2" where the file has none
   double duration = 0;  // seconds: the last keyframe of all channels
   // What moves nodes and morph target weights. Channels of extensions are left out.
-  std::vector<ClipChannel> channels;
+  Vector<ClipChannel> channels;
 };
 
 // The animation that `wanted` names, by its name or its index in decimal; empty: the only one.
@@ -41,10 +41,9 @@ Result<AnimationClip> ReadAnimationClip(const GltfFile& file, int animation);
 size_t NumMorphTargets(const GltfFile& file, int node);
 
 // Moves the nodes that the clip moves. local: one for each node.
-void ApplyClip(const AnimationClip& clip, double time, std::vector<NodeTransform>* local);
+void ApplyClip(const AnimationClip& clip, double time, Vector<NodeTransform>* local);
 
 // The same for the morph target weights of one node; where the clip has none they stay.
-void ApplyClipWeights(const AnimationClip& clip, double time, int node,
-                      std::vector<double>* weights);
+void ApplyClipWeights(const AnimationClip& clip, double time, int node, Vector<double>* weights);
 
 }  // namespace limber

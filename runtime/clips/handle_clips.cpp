@@ -2,6 +2,7 @@
 
 #include "clips/animation_channels.h"
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 #include "load/rig_loader.h"
 
 #include <nlohmann/json.hpp>
@@ -28,21 +29,21 @@ Eigen::Matrix4d Inverse(const Eigen::Matrix4d& matrix) {
 
 // A node counts only if it has the handle's name: a tool that renumbers nodes must not make a
 // stranger of it.
-bool HasName(const GltfFile& file, int node, const std::string& name) {
+bool HasName(const GltfFile& file, int node, std::string_view name) {
   const auto& nodes = file.json()["nodes"];
   const auto& json = nodes[static_cast<size_t>(node)];
   const auto found = json.find("name");
-  return found != json.end() && *found == name;
+  return found != json.end() && found->is_string() && found->get_ref<const std::string&>() == name;
 }
 
 }  // namespace
 
 Result<std::shared_ptr<const HandleClips>> HandleClips::Read(const GltfFile& file, const Rig& rig,
                                                              int rig_index,
-                                                             std::vector<std::string>* warnings) {
+                                                             Vector<std::string>* warnings) {
   using Shared = std::shared_ptr<const HandleClips>;
   return CatchOutOfMemory("clips", [&]() -> Result<Shared> {
-    auto clips = std::make_shared<HandleClips>();
+    auto clips = MakeShared<HandleClips>();
     clips->mesh_node_ = FindRigNode(file, rig_index);
     if (clips->mesh_node_ < 0)
       return Error(StatusCode::kInvalidArgument, "clips: no node carries rig %d", rig_index);
@@ -53,6 +54,7 @@ Result<std::shared_ptr<const HandleClips>> HandleClips::Read(const GltfFile& fil
         break;
       }
       Result<AnimationClip> clip = ReadAnimationClip(file, static_cast<int>(a));
+      if (clip.status().code() == StatusCode::kOutOfMemory) return clip.status();
       if (!clip.ok()) {
         warnings->push_back(file.name() + ": " + clip.status().message());
         continue;
@@ -71,15 +73,14 @@ bool HandleClips::IsShallow(int node) const {
   return depth <= kMostNodesAbove;
 }
 
-void HandleClips::ReadHandles(const Rig& rig, const GltfFile& file,
-                              std::vector<std::string>* warnings) {
+void HandleClips::ReadHandles(const Rig& rig, const GltfFile& file, Vector<std::string>* warnings) {
   parent_ = ParentNodes(file);
   local_ = LocalTransforms(file);
   is_above_mesh_.resize(parent_.size(), false);
   for (int node = mesh_node_; node >= 0; node = parent_[static_cast<size_t>(node)])
     is_above_mesh_[static_cast<size_t>(node)] = true;
   matters_ = is_above_mesh_;
-  const std::vector<Eigen::Matrix4d> world = WorldTransforms(file);
+  const Vector<Eigen::Matrix4d> world = WorldTransforms(file);
   const Eigen::Matrix4d mesh_from_world = Inverse(world[static_cast<size_t>(mesh_node_)]);
   for (const RigHandle& from : rig.tables().handles) {
     const Vec3 rest = from.rest_position;
@@ -126,7 +127,7 @@ bool HandleClips::AnyBetween(const Clip& clip, int handle_node, const Has& has) 
 
 HandleClips::Clip HandleClips::MakeClip(AnimationClip from) const {
   Clip clip;
-  clip.name = std::move(from.name);
+  clip.name.assign(from.name);
   clip.duration = from.duration;
   std::map<int, NodeTracks> moved;
   for (ClipChannel& channel : from.channels) {
@@ -153,7 +154,7 @@ HandleClips::Clip HandleClips::MakeClip(AnimationClip from) const {
   return clip;
 }
 
-int HandleClips::Find(const std::string& name) const {
+int HandleClips::Find(std::string_view name) const {
   for (size_t c = 0; c < clips_.size(); ++c) {
     if (clips_[c].name == name) return static_cast<int>(c);
   }

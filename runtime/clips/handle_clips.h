@@ -7,13 +7,13 @@
 #include "clips/node_transforms.h"
 #include "core/quaternion.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 #include "rig/rig.h"
 
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -36,11 +36,11 @@ class HandleClips {
   // handle, 1024 clips). Errors: kInvalidArgument (no such rig), kOutOfMemory.
   static Result<std::shared_ptr<const HandleClips>> Read(const GltfFile& file, const Rig& rig,
                                                          int rig_index,
-                                                         std::vector<std::string>* warnings);
+                                                         Vector<std::string>* warnings);
 
   int num_clips() const { return static_cast<int>(clips_.size()); }
 
-  const std::string& name(int clip) const { return At(clip).name; }
+  const String& name(int clip) const { return At(clip).name; }
 
   double duration(int clip) const { return At(clip).duration; }  // seconds
 
@@ -48,7 +48,7 @@ class HandleClips {
   std::span<const ClipHandle> handles(int clip) const { return At(clip).handles; }
 
   // The first clip of that name, -1 if there is none.
-  int Find(const std::string& name) const;
+  int Find(std::string_view name) const;
 
   // A clip at one moment: what all handles have in common there.
   struct Moment {
@@ -72,11 +72,11 @@ class HandleClips {
   };
 
   struct Clip {
-    std::string name;
+    String name;
     double duration = 0;
-    std::vector<ClipHandle> handles;
-    std::vector<KeyframeTrack> tracks;
-    std::vector<NodeTracks> moved;  // by node
+    Vector<ClipHandle> handles;
+    Vector<KeyframeTrack> tracks;
+    Vector<NodeTracks> moved;  // by node
   };
 
   struct Handle {
@@ -87,7 +87,7 @@ class HandleClips {
 
   const Clip& At(int clip) const { return clips_[static_cast<size_t>(clip)]; }
 
-  void ReadHandles(const Rig& rig, const GltfFile& file, std::vector<std::string>* warnings);
+  void ReadHandles(const Rig& rig, const GltfFile& file, Vector<std::string>* warnings);
   Clip MakeClip(AnimationClip from) const;
   // Whether a node on the way from a handle's to the mesh's has such tracks; those above both carry
   // both along.
@@ -97,13 +97,13 @@ class HandleClips {
   static const NodeTracks* FindTracks(const Clip& clip, int node);
   Eigen::Matrix4d WorldAt(const Clip& clip, int node, double time) const;
 
-  std::vector<int> parent_;           // [nodes]
-  std::vector<bool> is_above_mesh_;   // [nodes]: the mesh's own node, or one that carries it
-  std::vector<bool> matters_;         // [nodes]: those, and handles' nodes and what carries them
-  std::vector<NodeTransform> local_;  // [nodes], at rest
+  Vector<int> parent_;           // [nodes]
+  Vector<bool> is_above_mesh_;   // [nodes]: the mesh's own node, or one that carries it
+  Vector<bool> matters_;         // [nodes]: those, and handles' nodes and what carries them
+  Vector<NodeTransform> local_;  // [nodes], at rest
   int mesh_node_ = -1;
-  std::vector<Handle> handles_;  // [H]
-  std::vector<Clip> clips_;
+  Vector<Handle> handles_;  // [H]
+  Vector<Clip> clips_;
 };
 
 }  // namespace limber

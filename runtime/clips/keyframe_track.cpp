@@ -1,5 +1,6 @@
 #include "clips/keyframe_track.h"
 
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ struct Segment {
   double duration = 0;  // seconds
 };
 
-Segment FindSegment(const std::vector<double>& times, double time) {
+Segment FindSegment(const Vector<double>& times, double time) {
   const auto after = std::upper_bound(times.begin(), times.end(), time);
   if (after == times.begin()) return {};
   Segment segment;
@@ -60,13 +61,13 @@ Eigen::Quaterniond UnitQuaternion(std::span<const double> xyzw) {
   return q.norm() > 0 ? q.normalized() : Eigen::Quaterniond::Identity();
 }
 
-Result<std::vector<double>> ReadNumbers(const GltfFile& file, const AccessorRequest& request) {
-  const Result<std::vector<float>> numbers = ReadFloats(file, request);
+Result<Vector<double>> ReadNumbers(const GltfFile& file, const AccessorRequest& request) {
+  const Result<Vector<float>> numbers = ReadFloats(file, request);
   if (!numbers.ok()) return numbers.status();
-  return std::vector<double>(numbers->begin(), numbers->end());
+  return Vector<double>(numbers->begin(), numbers->end());
 }
 
-Status CheckTimes(const std::vector<double>& times, const AnimationChannel& channel) {
+Status CheckTimes(const Vector<double>& times, const AnimationChannel& channel) {
   for (size_t k = 0; k < times.size(); ++k) {
     if (times[k] < 0 || (k > 0 && times[k] <= times[k - 1])) {
       return Error(StatusCode::kMalformed,
@@ -85,15 +86,14 @@ Result<KeyframeTrack> ReadKeyframeTrack(const GltfFile& file, const AnimationCha
   KeyframeTrack track;
   track.interpolation = channel.interpolation;
   track.components = components;
-  Result<std::vector<double>> times =
-      ReadNumbers(file, {channel.input, 1, channel.place + ".input"});
+  Result<Vector<double>> times = ReadNumbers(file, {channel.input, 1, channel.place + ".input"});
   if (!times.ok()) return times.status();
   track.times = std::move(*times);
   LIMBER_RETURN_IF_ERROR(CheckTimes(track.times, channel));
   const size_t width = is_vector ? components : 1;
   AccessorRequest request{channel.output, static_cast<int>(width), channel.place + ".output"};
   request.expected_count = static_cast<int64_t>(track.num_values() / width);
-  Result<std::vector<double>> values = ReadNumbers(file, request);
+  Result<Vector<double>> values = ReadNumbers(file, request);
   if (!values.ok()) return values.status();
   track.values = std::move(*values);
   return track;
@@ -111,8 +111,8 @@ void SampleTrack(const KeyframeTrack& track, double time, std::span<double> valu
   }
 }
 
-std::vector<double> SampleTrack(const KeyframeTrack& track, double time) {
-  std::vector<double> value(track.components);
+Vector<double> SampleTrack(const KeyframeTrack& track, double time) {
+  Vector<double> value(track.components);
   SampleTrack(track, time, value);
   return value;
 }

@@ -3,21 +3,21 @@
 
 #include "clips/animation_channels.h"
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <Eigen/Geometry>
 
 #include <span>
-#include <vector>
 
 namespace limber {
 
 struct KeyframeTrack {
   Interpolation interpolation = Interpolation::kLinear;
-  size_t components = 1;      // C: numbers of one value
-  std::vector<double> times;  // K >= 1, seconds, from 0, strictly increasing
+  size_t components = 1;  // C: numbers of one value
+  Vector<double> times;   // K >= 1, seconds, from 0, strictly increasing
   // K * C; with cubic splines 3 * K * C: of each keyframe the tangent on the way in, the value, the
   // tangent on the way out.
-  std::vector<double> values;
+  Vector<double> values;
 
   // Number of the values' numbers that K keyframes have.
   size_t num_values() const {
@@ -34,7 +34,7 @@ Result<KeyframeTrack> ReadKeyframeTrack(const GltfFile& file, const AnimationCha
 // The value at a time, each number on its own; before the first and after the last keyframe it is
 // theirs. value: [C].
 void SampleTrack(const KeyframeTrack& track, double time, std::span<double> value);
-std::vector<double> SampleTrack(const KeyframeTrack& track, double time);
+Vector<double> SampleTrack(const KeyframeTrack& track, double time);
 
 // The same of rotations (C = 4, x y z w): LINEAR along the shorter great arc at constant speed; a
 // unit quaternion. Allocates nothing. No rotation where the keyframes' quaternions are zero.

@@ -1,5 +1,7 @@
 #include "clips/node_transforms.h"
 
+#include "core/vector.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -33,9 +35,9 @@ NodeTransform ReadTransform(const Json& node) {
   return local;
 }
 
-std::vector<size_t> ChildrenOf(const Json& node) {
+Vector<size_t> ChildrenOf(const Json& node) {
   const auto it = node.find("children");
-  return it == node.end() ? std::vector<size_t>() : it->get<std::vector<size_t>>();
+  return it == node.end() ? Vector<size_t>() : it->get<Vector<size_t>>();
 }
 
 }  // namespace
@@ -48,10 +50,10 @@ Eigen::Matrix4d NodeTransform::Matrix() const {
   return local;
 }
 
-std::vector<int> ParentNodes(const GltfFile& file) {
+Vector<int> ParentNodes(const GltfFile& file) {
   const auto nodes = file.json().find("nodes");
   if (nodes == file.json().end()) return {};
-  std::vector<int> parent(nodes->size(), -1);
+  Vector<int> parent(nodes->size(), -1);
   for (size_t n = 0; n < nodes->size(); ++n) {
     for (const size_t child : ChildrenOf((*nodes)[n]))
       parent[child] = static_cast<int>(n);
@@ -59,23 +61,23 @@ std::vector<int> ParentNodes(const GltfFile& file) {
   return parent;
 }
 
-std::vector<NodeTransform> LocalTransforms(const GltfFile& file) {
+Vector<NodeTransform> LocalTransforms(const GltfFile& file) {
   const auto nodes = file.json().find("nodes");
   if (nodes == file.json().end()) return {};
-  std::vector<NodeTransform> local;
+  Vector<NodeTransform> local;
   for (const Json& node : *nodes)
     local.push_back(ReadTransform(node));
   return local;
 }
 
-std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
-                                             std::span<const NodeTransform> local) {
+Vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
+                                        std::span<const NodeTransform> local) {
   const auto nodes = file.json().find("nodes");
   if (nodes == file.json().end()) return {};
-  std::vector<Eigen::Matrix4d> world(nodes->size());
-  const std::vector<int> parent = ParentNodes(file);
+  Vector<Eigen::Matrix4d> world(nodes->size());
+  const Vector<int> parent = ParentNodes(file);
   // Parents before children, with a list instead of recursion: hierarchies may be long.
-  std::vector<size_t> order;
+  Vector<size_t> order;
   for (size_t n = 0; n < nodes->size(); ++n) {
     world[n] = local[n].Matrix();
     if (parent[n] < 0) order.push_back(n);
@@ -89,7 +91,7 @@ std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
   return world;
 }
 
-std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file) {
+Vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file) {
   return WorldTransforms(file, LocalTransforms(file));
 }
 

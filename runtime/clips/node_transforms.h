@@ -1,6 +1,7 @@
 // Local and world transforms of a glTF's nodes.
 #pragma once
 
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <Eigen/Core>
@@ -8,7 +9,6 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -24,17 +24,16 @@ struct NodeTransform {
 };
 
 // Of every node the node above it; -1: none.
-std::vector<int> ParentNodes(const GltfFile& file);
+Vector<int> ParentNodes(const GltfFile& file);
 
 // Of every node, as the file has it at rest.
-std::vector<NodeTransform> LocalTransforms(const GltfFile& file);
+Vector<NodeTransform> LocalTransforms(const GltfFile& file);
 
 // node -> world, for every node; the hierarchy was found to be a forest when the file was opened.
 // local: one for each node.
-std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file,
-                                             std::span<const NodeTransform> local);
+Vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file, std::span<const NodeTransform> local);
 
 // The same at rest.
-std::vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file);
+Vector<Eigen::Matrix4d> WorldTransforms(const GltfFile& file);
 
 }  // namespace limber

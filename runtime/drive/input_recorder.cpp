@@ -1,5 +1,6 @@
 #include "drive/input_recorder.h"
 
+#include "core/vector.h"
 #include "drive/event_codec.h"
 
 namespace limber {
@@ -7,7 +8,7 @@ namespace {
 
 // Collects bytes; visited by VisitEvent.
 struct Writer {
-  std::vector<uint8_t>* bytes;
+  Vector<uint8_t>* bytes;
 
   template <class T>
   void operator()(const T& value) const {

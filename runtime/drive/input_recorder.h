@@ -4,17 +4,18 @@
 // Options stand where they change, so that a frame of two targets takes some 50 bytes.
 #pragma once
 
+#include "core/memory_source.h"
+#include "core/vector.h"
 #include "drive/input_events.h"
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace limber {
 
 inline constexpr char kRecordingMagic[9] = "LMBREC01";
 
-class InputRecorder {
+class InputRecorder : public NewFromSource {
  public:
   explicit InputRecorder(const RecordingHead& head);
 
@@ -24,7 +25,7 @@ class InputRecorder {
   std::span<const uint8_t> bytes() const { return bytes_; }
 
  private:
-  std::vector<uint8_t> bytes_;
+  Vector<uint8_t> bytes_;
   PoseOptions options_;  // that were written last
   bool has_options_ = false;
 };

@@ -2,13 +2,13 @@
 // checked.
 #pragma once
 
+#include "core/vector.h"
 #include "drive/input_events.h"
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace limber {
 
@@ -39,7 +39,7 @@ class InputReplay {
   size_t at_ = 0;
   RecordingHead head_;
   PoseOptions options_;
-  std::vector<std::pair<int, int>> grabs_;
+  Vector<std::pair<int, int>> grabs_;
 };
 
 // Asks all up to the next solve, and that; false: the recording ends before one. *same: whether

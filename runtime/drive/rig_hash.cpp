@@ -1,12 +1,14 @@
 #include "drive/rig_hash.h"
 
+#include "core/vector.h"
+
 #include <cstring>
 
 namespace limber {
 namespace {
 
 template <class T>
-uint64_t HashTable(uint64_t hash, const std::vector<T>& table) {
+uint64_t HashTable(uint64_t hash, const Vector<T>& table) {
   return HashBytes(hash, std::as_bytes(std::span(table)));
 }
 

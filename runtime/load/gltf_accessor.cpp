@@ -1,6 +1,7 @@
 #include "load/gltf_accessor.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 
 #include <tiny_gltf.h>
 
@@ -198,7 +199,7 @@ Status ForEachElement(const GltfFile& file, const tinygltf::Accessor& accessor,
   return {};
 }
 
-Result<std::vector<float>> DecodeFloats(const GltfFile& file, const AccessorRequest& request) {
+Result<Vector<float>> DecodeFloats(const GltfFile& file, const AccessorRequest& request) {
   const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
   if (!found.ok()) return found.status();
   const tinygltf::Accessor& accessor = **found;
@@ -207,8 +208,7 @@ Result<std::vector<float>> DecodeFloats(const GltfFile& file, const AccessorRequ
   // The bytes are there, or the zeros were allowed, before the numbers are given room.
   LIMBER_RETURN_IF_ERROR(
       ForEachElement(file, accessor, component_bytes * components, [](int64_t, const uint8_t*) {}));
-  std::vector<float> numbers(
-      static_cast<size_t>(static_cast<int64_t>(accessor.count) * components));
+  Vector<float> numbers(static_cast<size_t>(static_cast<int64_t>(accessor.count) * components));
   LIMBER_RETURN_IF_ERROR(ForEachElement(
       file, accessor, component_bytes * components, [&](int64_t element, const uint8_t* bytes) {
         for (int64_t c = 0; c < components; ++c) {
@@ -225,8 +225,8 @@ Result<std::vector<float>> DecodeFloats(const GltfFile& file, const AccessorRequ
   return numbers;
 }
 
-Result<std::vector<uint32_t>> DecodeIndices(const GltfFile& file, const AccessorRequest& request,
-                                            uint32_t bound) {
+Result<Vector<uint32_t>> DecodeIndices(const GltfFile& file, const AccessorRequest& request,
+                                       uint32_t bound) {
   const Result<const tinygltf::Accessor*> found = FindAccessor(file, request);
   if (!found.ok()) return found.status();
   const tinygltf::Accessor& accessor = **found;
@@ -237,7 +237,7 @@ Result<std::vector<uint32_t>> DecodeIndices(const GltfFile& file, const Accessor
   const int64_t bytes_each = ComponentBytes(accessor.componentType);
   LIMBER_RETURN_IF_ERROR(
       ForEachElement(file, accessor, bytes_each, [](int64_t, const uint8_t*) {}));
-  std::vector<uint32_t> indices(accessor.count);
+  Vector<uint32_t> indices(accessor.count);
   LIMBER_RETURN_IF_ERROR(
       ForEachElement(file, accessor, bytes_each, [&](int64_t element, const uint8_t* bytes) {
         indices[static_cast<size_t>(element)] = LoadIndex(bytes, accessor.componentType);
@@ -278,18 +278,18 @@ int64_t AccessorCount(const GltfFile& file, int accessor) {
   return static_cast<int64_t>(accessors[static_cast<size_t>(accessor)].count);
 }
 
-Result<std::vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request) {
-  return CatchOutOfMemory(request.place, [&]() -> Result<std::vector<float>> {
-    Result<std::vector<float>> numbers = DecodeFloats(file, request);
+Result<Vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request) {
+  return CatchOutOfMemory(request.place, [&]() -> Result<Vector<float>> {
+    Result<Vector<float>> numbers = DecodeFloats(file, request);
     if (!numbers.ok()) return numbers.status().WithContext(Place(request));
     return numbers;
   });
 }
 
-Result<std::vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
-                                          uint32_t bound) {
-  return CatchOutOfMemory(request.place, [&]() -> Result<std::vector<uint32_t>> {
-    Result<std::vector<uint32_t>> indices = DecodeIndices(file, request, bound);
+Result<Vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
+                                     uint32_t bound) {
+  return CatchOutOfMemory(request.place, [&]() -> Result<Vector<uint32_t>> {
+    Result<Vector<uint32_t>> indices = DecodeIndices(file, request, bound);
     if (!indices.ok()) return indices.status().WithContext(Place(request));
     return indices;
   });

@@ -3,12 +3,12 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -29,11 +29,11 @@ int64_t AccessorCount(const GltfFile& file, int accessor);
 // All elements, components interleaved. Integers that are not normalised come as their value.
 // Errors, each beginning with the place and naming the accessor and the element: kMalformed (out of
 // bounds, another type or count, not finite), kLimitExceeded, kOutOfMemory.
-Result<std::vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request);
+Result<Vector<float>> ReadFloats(const GltfFile& file, const AccessorRequest& request);
 
 // Unsigned integer scalars, each below `bound`. Errors as above.
-Result<std::vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
-                                          uint32_t bound);
+Result<Vector<uint32_t>> ReadIndices(const GltfFile& file, const AccessorRequest& request,
+                                     uint32_t bound);
 
 // Unsigned bytes, as they stand in the file: of an accessor that is neither sparse nor implicit,
 // its elements one after the other. They live as long as `file`. Errors as above.

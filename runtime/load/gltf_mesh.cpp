@@ -2,6 +2,7 @@
 
 #include "core/out_of_memory.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 #include "load/smooth_normals.h"
 #include "rig/rig_fields.h"
@@ -32,14 +33,14 @@ bool MakesTriangles(int mode) {
          mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
-Vec3 At(const std::vector<float>& numbers, size_t i) {
+Vec3 At(const Vector<float>& numbers, size_t i) {
   return {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
 }
 
 // Corners of a list, strip or fan -> corners of triangles. Strips are sewn together with triangles
 // that repeat a corner: those are dropped, while a list keeps its own degenerate triangles.
-void AppendTriangles(const std::vector<uint32_t>& corners, int mode, uint32_t first_vertex,
-                     std::vector<uint32_t>* triangles) {
+void AppendTriangles(const Vector<uint32_t>& corners, int mode, uint32_t first_vertex,
+                     Vector<uint32_t>* triangles) {
   const size_t num_corners = corners.size();
   const auto append = [&](size_t a, size_t b, size_t c) {
     for (const size_t corner : {a, b, c})
@@ -155,7 +156,7 @@ class MeshReader {
     primitive.material = source.material;
     AccessorRequest request{FindAttribute(source.attributes, "POSITION"), 3,
                             PrimitivePlace(mesh_.mesh, p) + ".POSITION"};
-    Result<std::vector<float>> positions = ReadFloats(file_, request);
+    Result<Vector<float>> positions = ReadFloats(file_, request);
     if (!positions.ok()) return positions.status();
     primitive.num_vertices = static_cast<uint32_t>(positions->size() / 3);
     for (size_t v = 0; v < primitive.num_vertices; ++v)
@@ -171,7 +172,7 @@ class MeshReader {
   // A primitive without targets beside one with them, and a target without POSITION, stay at rest.
   Status AppendTargets(const tinygltf::Primitive& source, size_t p, uint32_t count) {
     for (size_t t = 0; t < mesh_.targets.size(); ++t) {
-      std::vector<Vec3>& offsets = mesh_.targets[t];
+      Vector<Vec3>& offsets = mesh_.targets[t];
       const int accessor =
           source.targets.empty() ? -1 : FindAttribute(source.targets[t], "POSITION");
       if (accessor < 0) {
@@ -183,7 +184,7 @@ class MeshReader {
           PrimitivePlace(mesh_.mesh, p) + ".targets[" + std::to_string(t) + "].POSITION"};
       request.expected_count = count;
       request.may_be_implicit = true;
-      Result<std::vector<float>> numbers = ReadFloats(file_, request);
+      Result<Vector<float>> numbers = ReadFloats(file_, request);
       if (!numbers.ok()) return numbers.status();
       for (size_t v = 0; v < count; ++v)
         offsets.push_back(At(*numbers, v));
@@ -203,13 +204,13 @@ class MeshReader {
                    PrimitivePlace(mesh_.mesh, p).c_str(),
                    static_cast<unsigned long long>(file_.limits().max_triangles));
     }
-    std::vector<uint32_t> corners;
+    Vector<uint32_t> corners;
     if (source.indices < 0) {
       corners.resize(primitive.num_vertices);
       std::iota(corners.begin(), corners.end(), 0u);
     } else {
       AccessorRequest request{source.indices, 1, PrimitivePlace(mesh_.mesh, p) + ".indices"};
-      Result<std::vector<uint32_t>> indices = ReadIndices(file_, request, primitive.num_vertices);
+      Result<Vector<uint32_t>> indices = ReadIndices(file_, request, primitive.num_vertices);
       if (!indices.ok()) return indices.status();
       corners = std::move(*indices);
     }
@@ -224,7 +225,7 @@ class MeshReader {
   // Normals, tangents and texture coordinates, zeros before and after where a primitive has none.
   Status AppendSurface(const tinygltf::Primitive& source, size_t p,
                        const SkinPrimitive& primitive) {
-    std::vector<float> normals;
+    Vector<float> normals;
     LIMBER_RETURN_IF_ERROR(ReadOptional(source, p, "NORMAL", 3, primitive, &normals));
     LIMBER_RETURN_IF_ERROR(ReadOptional(source, p, "TANGENT", 4, primitive, &mesh_.tangents));
     LIMBER_RETURN_IF_ERROR(ReadOptional(source, p, "TEXCOORD_0", 2, primitive, &mesh_.texcoords));
@@ -236,7 +237,7 @@ class MeshReader {
   }
 
   Status ReadOptional(const tinygltf::Primitive& source, size_t p, const char* name, int components,
-                      const SkinPrimitive& primitive, std::vector<float>* numbers) {
+                      const SkinPrimitive& primitive, Vector<float>* numbers) {
     const size_t wanted = mesh_.positions.size() * static_cast<size_t>(components);
     const int accessor = FindAttribute(source.attributes, name);
     if (accessor < 0) {
@@ -245,7 +246,7 @@ class MeshReader {
     }
     AccessorRequest request{accessor, components, PrimitivePlace(mesh_.mesh, p) + "." + name};
     request.expected_count = primitive.num_vertices;
-    Result<std::vector<float>> read = ReadFloats(file_, request);
+    Result<Vector<float>> read = ReadFloats(file_, request);
     if (!read.ok()) return read.status();
     numbers->resize(primitive.first_vertex * static_cast<size_t>(components));
     numbers->insert(numbers->end(), read->begin(), read->end());
@@ -255,7 +256,7 @@ class MeshReader {
   // Normals and tangents are wanted for all vertices or for none.
   void CompleteSurface() {
     if (!mesh_.normals.empty()) {
-      std::vector<uint32_t> unshared(mesh_.positions.size());
+      Vector<uint32_t> unshared(mesh_.positions.size());
       std::iota(unshared.begin(), unshared.end(), 0u);
       CompleteNormals(mesh_.positions, unshared, mesh_.triangles, &mesh_.normals);
     }
@@ -284,7 +285,7 @@ class MeshReader {
 
   Status ReadSourceOrder() {
     const uint32_t count = mesh_.num_vertices();
-    Result<std::vector<float>> ids = ReadMeshAttribute(file_, mesh_, kSourceAttribute, 1);
+    Result<Vector<float>> ids = ReadMeshAttribute(file_, mesh_, kSourceAttribute, 1);
     if (!ids.ok() && ids.status().code() == StatusCode::kNotFound) {
       mesh_.source_vertex.resize(count);
       std::iota(mesh_.source_vertex.begin(), mesh_.source_vertex.end(), 0u);
@@ -321,7 +322,7 @@ class Fnv1a {
 
   void AddCount(uint32_t count) { Add(&count, sizeof(count)); }
 
-  void AddPositions(const std::vector<Vec3>& positions) {
+  void AddPositions(const Vector<Vec3>& positions) {
     // Zero has two signs, and tools may change it; adding positive zero leaves only one.
     for (const Vec3& p : positions) {
       const Vec3 canonical{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
@@ -349,11 +350,11 @@ Result<GltfMorphMesh> ReadMorphMesh(const GltfFile& file, int mesh) {
   });
 }
 
-Result<std::vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMorphMesh& mesh,
-                                             const std::string& attribute, int components) {
-  return CatchOutOfMemory(attribute, [&]() -> Result<std::vector<float>> {
+Result<Vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMorphMesh& mesh,
+                                        const std::string& attribute, int components) {
+  return CatchOutOfMemory(attribute, [&]() -> Result<Vector<float>> {
     const tinygltf::Mesh& source = file.model().meshes[static_cast<size_t>(mesh.mesh)];
-    std::vector<float> all;
+    Vector<float> all;
     for (const SkinPrimitive& primitive : mesh.primitives) {
       const auto p = static_cast<size_t>(primitive.gltf_primitive);
       const std::string place = PrimitivePlace(mesh.mesh, p) + "." + attribute;
@@ -361,7 +362,7 @@ Result<std::vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMor
                               place};
       if (request.accessor < 0) return Status(StatusCode::kNotFound, place + ": it is missing");
       request.expected_count = primitive.num_vertices;
-      Result<std::vector<float>> numbers = ReadFloats(file, request);
+      Result<Vector<float>> numbers = ReadFloats(file, request);
       if (!numbers.ok()) return numbers.status();
       all.insert(all.end(), numbers->begin(), numbers->end());
     }
@@ -376,7 +377,7 @@ std::string HashMesh(const GltfMorphMesh& mesh) {
   hash.AddCount(static_cast<uint32_t>(mesh.targets.size()));
   hash.Add(mesh.triangles.data(), mesh.triangles.size() * sizeof(uint32_t));
   hash.AddPositions(mesh.positions);
-  for (const std::vector<Vec3>& target : mesh.targets)
+  for (const Vector<Vec3>& target : mesh.targets)
     hash.AddPositions(target);
   char text[17];
   std::snprintf(text, sizeof(text), "%016" PRIx64, hash.hash());

@@ -3,12 +3,12 @@
 
 #include "core/status.h"
 #include "core/vec3.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 #include "rig/skin_mesh.h"
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -17,20 +17,20 @@ namespace limber {
 struct GltfMorphMesh {
   std::string name;  // the mesh's own name, or "mesh 3"
   int mesh = -1;
-  std::vector<Vec3> positions;             // [D]
-  std::vector<std::vector<Vec3>> targets;  // [T][D] offsets from positions
-  std::vector<std::string> target_names;   // [T], from extras.targetNames, else "target_0"...
-  std::vector<uint32_t> triangles;         // 3 each; corners may repeat (degenerate triangles)
-  std::vector<SkinPrimitive> primitives;
+  Vector<Vec3> positions;            // [D]
+  Vector<Vector<Vec3>> targets;      // [T][D] offsets from positions
+  Vector<std::string> target_names;  // [T], from extras.targetNames, else "target_0"...
+  Vector<uint32_t> triangles;        // 3 each; corners may repeat (degenerate triangles)
+  Vector<SkinPrimitive> primitives;
   // Of the base mesh. Empty where the file has none; where only some primitives have normals the
   // others get smooth ones; tangents that some vertices lack are left out altogether.
-  std::vector<Vec3> normals;     // [D], unit
-  std::vector<float> tangents;   // [4 * D]
-  std::vector<float> texcoords;  // [2 * D], the first set; zero in primitives that have none
+  Vector<Vec3> normals;     // [D], unit
+  Vector<float> tangents;   // [4 * D]
+  Vector<float> texcoords;  // [2 * D], the first set; zero in primitives that have none
   // The source's own vertex order (attribute _LIMBER_SOURCE); else that of the draw vertices.
-  std::vector<uint32_t> source_vertex;  // [D]
+  Vector<uint32_t> source_vertex;  // [D]
   uint32_t num_source_vertices = 0;
-  std::vector<std::string> warnings;
+  Vector<std::string> warnings;
 
   uint32_t num_vertices() const { return static_cast<uint32_t>(positions.size()); }
 };
@@ -42,8 +42,8 @@ Result<GltfMorphMesh> ReadMorphMesh(const GltfFile& file, int mesh);
 
 // Concatenates one attribute over the primitives of `mesh`, `components` floats for each draw
 // vertex. Errors: kNotFound when a primitive lacks it, else as ReadFloats; without the file's name.
-Result<std::vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMorphMesh& mesh,
-                                             const std::string& attribute, int components);
+Result<Vector<float>> ReadMeshAttribute(const GltfFile& file, const GltfMorphMesh& mesh,
+                                        const std::string& attribute, int components);
 
 // Identifies what a bake depends on: vertex count, triangles, positions and targets as decoded
 // floats (64-bit FNV-1a). 16 hexadecimal digits. Compressing, re-indexing or editing the mesh

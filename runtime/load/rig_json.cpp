@@ -163,7 +163,7 @@ void ReadShapes(const GltfLimits& limits, ObjectReader* reader, RigJson* rig) {
   const Json* shapes = reader->Array("shapes", limits.max_targets + 1);
   for (size_t s = 0; shapes != nullptr && s < shapes->size(); ++s) {
     ObjectReader entry((*shapes)[s], Place("shapes", s));
-    rig->tables.shape_names.push_back(entry.String("name"));
+    rig->tables.shape_names.emplace_back(entry.String("name"));
     rig->shape_targets.push_back(static_cast<int>(
         entry.OptionalInteger("target", -1, 0, static_cast<int64_t>(limits.max_targets) - 1)));
     reader->Absorb(entry);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_limits.h"
 #include "rig/rig_tables.h"
 
@@ -11,20 +12,19 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace limber {
 
 struct RigJson {
   RigTables tables;                 // counts, space, handles, shape names; no numbers
-  std::vector<int> shape_targets;   // [S] morph target of each example shape, -1 for the base mesh
+  Vector<int> shape_targets;        // [S] morph target of each example shape, -1 for the base mesh
   uint32_t num_vertices = 0;        // D at the time of the bake
   uint32_t num_solve_vertices = 0;  // V
   std::string mesh_hash;            // HashMesh at the time of the bake
 
   struct Table {
     int accessor = -1;
-    std::vector<int64_t> shape;
+    Vector<int64_t> shape;
     std::optional<int> exponent;  // of packed numbers (packed_numbers.h); without: plain floats
   };
 

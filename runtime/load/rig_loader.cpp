@@ -2,6 +2,7 @@
 
 #include "core/out_of_memory.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 #include "load/gltf_mesh.h"
 #include "load/json_text.h"
@@ -74,7 +75,7 @@ Status CheckMesh(const RigJson& rig, const GltfMorphMesh& mesh) {
 
 Status ReadWeld(const GltfFile& file, const RigJson& rig, const GltfMorphMesh& mesh,
                 SkinMesh* skin) {
-  Result<std::vector<float>> ids = ReadMeshAttribute(file, mesh, kWeldAttribute, 1);
+  Result<Vector<float>> ids = ReadMeshAttribute(file, mesh, kWeldAttribute, 1);
   if (!ids.ok()) return ids.status();
   for (size_t d = 0; d < ids->size(); ++d) {
     const float id = (*ids)[d];
@@ -88,8 +89,8 @@ Status ReadWeld(const GltfFile& file, const RigJson& rig, const GltfMorphMesh& m
 }
 
 // The draw vertex that first uses each solve vertex, whose data stand for it.
-Result<std::vector<uint32_t>> FirstDrawVertices(const SkinMesh& skin) {
-  std::vector<uint32_t> first(skin.num_solve_vertices, skin.num_draw_vertices);
+Result<Vector<uint32_t>> FirstDrawVertices(const SkinMesh& skin) {
+  Vector<uint32_t> first(skin.num_solve_vertices, skin.num_draw_vertices);
   for (uint32_t d = skin.num_draw_vertices; d-- > 0;)
     first[skin.solve_vertex[d]] = d;
   const auto unused = std::find(first.begin(), first.end(), skin.num_draw_vertices);
@@ -101,7 +102,7 @@ Result<std::vector<uint32_t>> FirstDrawVertices(const SkinMesh& skin) {
 }
 
 Status ReadWeights(const GltfFile& file, const GltfMorphMesh& mesh,
-                   const std::vector<uint32_t>& first_draw, SkinMesh* skin) {
+                   const Vector<uint32_t>& first_draw, SkinMesh* skin) {
   constexpr size_t kPerAttribute = 4;
   const auto num_handles = static_cast<size_t>(skin->num_handles);
   if (uint64_t{skin->num_draw_vertices} * num_handles > file.limits().max_weights) {
@@ -112,7 +113,7 @@ Status ReadWeights(const GltfFile& file, const GltfMorphMesh& mesh,
   skin->weights.resize(num_handles * skin->num_solve_vertices);
   for (size_t first = 0; first < num_handles; first += kPerAttribute) {
     const std::string name = kWeightsAttributePrefix + std::to_string(first / kPerAttribute);
-    Result<std::vector<float>> numbers =
+    Result<Vector<float>> numbers =
         ReadMeshAttribute(file, mesh, name, static_cast<int>(kPerAttribute));
     if (!numbers.ok()) return numbers.status();
     const size_t used = std::min(kPerAttribute, num_handles - first);
@@ -143,7 +144,7 @@ Vec3 ToRigSpace(const RigSpace& space, const Vec3& base, const Vec3& offset) {
 }
 
 Status FillShapes(const GltfLimits& limits, const RigJson& rig, const GltfMorphMesh& mesh,
-                  const std::vector<uint32_t>& first_draw, SkinMesh* skin) {
+                  const Vector<uint32_t>& first_draw, SkinMesh* skin) {
   if (!(rig.tables.space.scale > 0)) {
     return Error(StatusCode::kMalformed, "space.scale: it is not positive");
   }
@@ -188,7 +189,8 @@ void CheckHandleNodes(const GltfFile& file, RigTables* tables) {
   const size_t num_nodes = nodes == file.json().end() ? 0 : nodes->size();
   for (RigHandle& handle : tables->handles) {
     const bool named = handle.node >= 0 && static_cast<size_t>(handle.node) < num_nodes &&
-                       (*nodes)[static_cast<size_t>(handle.node)].value("name", "") == handle.name;
+                       std::string_view(handle.name) ==
+                           (*nodes)[static_cast<size_t>(handle.node)].value("name", "");
     if (!named) handle.node = -1;
   }
 }
@@ -223,7 +225,7 @@ Result<std::shared_ptr<const Rig>> BuildRig(const GltfFile& file, int rig_index)
   skin.num_handles = rig->tables.num_handles();
   skin.num_shapes = rig->tables.num_shapes();
   LIMBER_RETURN_IF_ERROR(ReadWeld(file, *rig, *mesh, &skin));
-  Result<std::vector<uint32_t>> first_draw = FirstDrawVertices(skin);
+  Result<Vector<uint32_t>> first_draw = FirstDrawVertices(skin);
   if (!first_draw.ok()) return first_draw.status();
   LIMBER_RETURN_IF_ERROR(ReadWeights(file, *mesh, *first_draw, &skin));
   LIMBER_RETURN_IF_ERROR(

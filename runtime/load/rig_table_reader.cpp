@@ -1,5 +1,6 @@
 #include "load/rig_table_reader.h"
 
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 #include "rig/local_group_factors.h"
 #include "rig/packed_numbers.h"
@@ -12,7 +13,7 @@
 namespace limber {
 namespace {
 
-using Numbers = std::vector<float>;
+using Numbers = Vector<float>;
 
 std::string Place(const char* name) {
   return std::string("tables.") + name;
@@ -23,7 +24,7 @@ bool Has(const RigJson& rig, const char* name) {
 }
 
 // The count that `shape` asks for. Sizes are below 2^23 each and few (rig_json.h).
-Result<int64_t> CountOf(const GltfFile& file, const char* name, const std::vector<int64_t>& shape) {
+Result<int64_t> CountOf(const GltfFile& file, const char* name, const Vector<int64_t>& shape) {
   const int64_t count = NumElements(shape);
   if (static_cast<uint64_t>(count) <= file.limits().max_table_numbers) return count;
   return Status(StatusCode::kLimitExceeded, Place(name) + ": " + std::to_string(count) +
@@ -33,7 +34,7 @@ Result<int64_t> CountOf(const GltfFile& file, const char* name, const std::vecto
 
 // The table of that name, which must have that shape.
 Result<Numbers> ReadTable(const GltfFile& file, const RigJson& rig, const char* name,
-                          const std::vector<int64_t>& shape) {
+                          const Vector<int64_t>& shape) {
   const Result<int64_t> count = CountOf(file, name, shape);
   if (!count.ok()) return count.status();
   const auto it = rig.table_accessors.find(name);
@@ -66,7 +67,7 @@ Status OrderResidual(const GltfFile& file, RigJson* rig) {
   const size_t columns = factor.size() / rows;
   const auto order = ReadTable(file, *rig, kResidualColumnsTable, {static_cast<int64_t>(columns)});
   if (!order.ok()) return order.status();
-  std::vector<bool> taken(columns, false);
+  Vector<bool> taken(columns, false);
   Numbers ordered(factor.size());
   for (size_t j = 0; j < columns; ++j) {
     const float number = (*order)[j];
@@ -90,7 +91,7 @@ Status OrderResidual(const GltfFile& file, RigJson* rig) {
 // Gives the columns of `table`, matrices of equally many rows, the scale that the file has taken
 // out. exponents_shape: [number of matrices, columns], or [columns] for one.
 Status ScaleColumns(const GltfFile& file, const RigJson& rig, const char* name,
-                    const std::vector<int64_t>& exponents_shape, Numbers* table) {
+                    const Vector<int64_t>& exponents_shape, Numbers* table) {
   if (!Has(rig, name)) return {};
   const auto exponents = ReadTable(file, rig, name, exponents_shape);
   if (!exponents.ok()) return exponents.status();
@@ -146,17 +147,16 @@ bool StandsForLocal(std::string_view name) {
 Status ReadRigTables(const GltfFile& file, int version, RigJson* rig) {
   const bool local = version >= 3 && Has(*rig, kGroupFactorsTable);
   Status status;
-  VisitRigTables(rig->tables,
-                 [&](const char* name, Numbers& table, const std::vector<int64_t>& shape) {
-                   if (!status.ok() || version < FirstVersionOfTable(name)) return;
-                   if (local && StandsForLocal(name)) {
-                     status = CountOf(file, name, shape).status();  // of what is made of them
-                     return;
-                   }
-                   Result<Numbers> numbers = ReadTable(file, *rig, name, shape);
-                   if (numbers.ok()) table = std::move(*numbers);
-                   status = numbers.status();
-                 });
+  VisitRigTables(rig->tables, [&](const char* name, Numbers& table, const Vector<int64_t>& shape) {
+    if (!status.ok() || version < FirstVersionOfTable(name)) return;
+    if (local && StandsForLocal(name)) {
+      status = CountOf(file, name, shape).status();  // of what is made of them
+      return;
+    }
+    Result<Numbers> numbers = ReadTable(file, *rig, name, shape);
+    if (numbers.ok()) table = std::move(*numbers);
+    status = numbers.status();
+  });
   if (!status.ok()) return status;
   if (version < 3) return {};
   LIMBER_RETURN_IF_ERROR(OrderResidual(file, rig));

@@ -1,5 +1,7 @@
 #include "load/smooth_normals.h"
 
+#include "core/vector.h"
+
 #include <array>
 #include <cmath>
 
@@ -43,9 +45,9 @@ bool Normalise(Double3* v) {
 
 }  // namespace
 
-std::vector<Vec3> SmoothNormals(std::span<const Vec3> positions, std::span<const uint32_t> shared,
-                                std::span<const uint32_t> triangles) {
-  std::vector<Double3> sums(positions.size(), Double3{});
+Vector<Vec3> SmoothNormals(std::span<const Vec3> positions, std::span<const uint32_t> shared,
+                           std::span<const uint32_t> triangles) {
+  Vector<Double3> sums(positions.size(), Double3{});
   for (size_t t = 0; t + 3 <= triangles.size(); t += 3) {
     const Double3 a = Widen(positions[triangles[t]]);
     const Double3 area = Cross(Minus(Widen(positions[triangles[t + 1]]), a),
@@ -55,7 +57,7 @@ std::vector<Vec3> SmoothNormals(std::span<const Vec3> positions, std::span<const
       sum = AddScaled(sum, 1, area);
     }
   }
-  std::vector<Vec3> normals;
+  Vector<Vec3> normals;
   normals.reserve(positions.size());
   for (const uint32_t id : shared) {
     Double3 normal = sums[id];
@@ -65,8 +67,8 @@ std::vector<Vec3> SmoothNormals(std::span<const Vec3> positions, std::span<const
 }
 
 void CompleteNormals(std::span<const Vec3> positions, std::span<const uint32_t> shared,
-                     std::span<const uint32_t> triangles, std::vector<Vec3>* normals) {
-  std::vector<Vec3> smooth;
+                     std::span<const uint32_t> triangles, Vector<Vec3>* normals) {
+  Vector<Vec3> smooth;
   for (size_t v = 0; v < normals->size(); ++v) {
     Double3 normal = Widen((*normals)[v]);
     if (Normalise(&normal)) {

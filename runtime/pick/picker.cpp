@@ -1,6 +1,7 @@
 #include "pick/picker.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 #include "pick/handle_pick.h"
 #include "pick/triangle_hit.h"
 
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <cstring>
 #include <string>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -114,8 +114,8 @@ struct Picker::Impl {
   RTCScene scene = nullptr;
   RTCGeometry geometry = nullptr;
   size_t num_vertices = 0;
-  std::vector<uint32_t> corners;  // 3 per triangle, solve vertices
-  std::vector<float> vertices;    // 3 per vertex, then the padding; Embree reads them in place
+  Vector<uint32_t> corners;  // 3 per triangle, solve vertices
+  Vector<float> vertices;    // 3 per vertex, then the padding; Embree reads them in place
   float diagonal = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "rig/local_group_factors.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 #include <Eigen/QR>
 
@@ -76,7 +78,7 @@ Status Check(const LocalGroupFactors& local, const RigTables& t) {
 
 }  // namespace
 
-Result<int64_t> NumLocalFactors(const RigTables& tables, const std::vector<float>& group_handles) {
+Result<int64_t> NumLocalFactors(const RigTables& tables, const Vector<float>& group_handles) {
   const Eigen::Index h = tables.num_handles();
   LIMBER_RETURN_IF_ERROR(
       CheckSize("groupHandles", group_handles.size(), int64_t{tables.num_groups} * h));

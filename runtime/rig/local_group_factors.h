@@ -3,10 +3,10 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
@@ -14,13 +14,13 @@ namespace limber {
 // g, one below the other, and c_g = (k+1) n_g + k, the energy of group g in the model of shape s
 // alone is E_g = |U_sg [T; -R^T]|^2, U_sg upper triangular.
 struct LocalGroupFactors {
-  std::vector<float> group_handles;  // [G][H]: 1 where handle h moves edges of group g, else 0
-  std::vector<float> factors;  // [S] of [G] of U_sg, packed by rows: c_g (c_g + 1) / 2 numbers each
+  Vector<float> group_handles;  // [G][H]: 1 where handle h moves edges of group g, else 0
+  Vector<float> factors;  // [S] of [G] of U_sg, packed by rows: c_g (c_g + 1) / 2 numbers each
 };
 
 // Numbers in `factors` that group_handles asks for, all shapes together. Errors: kMalformed (it is
 // not [G][H], or holds something that is neither 0 nor 1).
-Result<int64_t> NumLocalFactors(const RigTables& tables, const std::vector<float>& group_handles);
+Result<int64_t> NumLocalFactors(const RigTables& tables, const Vector<float>& group_handles);
 
 // Fills single_edges and single_group_factors from the other counts and tables, of which
 // single_mode_transforms is read. Errors: kMalformed.

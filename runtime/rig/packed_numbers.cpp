@@ -1,5 +1,7 @@
 #include "rig/packed_numbers.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -29,13 +31,13 @@ class BitWriter {
     Put((uint64_t{1} << number) - 1, static_cast<unsigned>(number) + 1);
   }
 
-  std::vector<uint8_t> Finish() {
+  Vector<uint8_t> Finish() {
     if (num_waiting_ > 0) bytes_.push_back(static_cast<uint8_t>(waiting_));
     return std::move(bytes_);
   }
 
  private:
-  std::vector<uint8_t> bytes_;
+  Vector<uint8_t> bytes_;
   uint64_t waiting_ = 0;
   unsigned num_waiting_ = 0;
 };
@@ -155,9 +157,9 @@ int PackingExponent(std::span<const float> numbers, int bits) {
   return std::clamp(above - bits, kLeastPackingExponent, kMostPackingExponent);
 }
 
-std::vector<uint8_t> PackNumbers(std::span<const float> numbers, int exponent) {
+Vector<uint8_t> PackNumbers(std::span<const float> numbers, int exponent) {
   BitWriter writer;
-  std::vector<uint64_t> folded;
+  Vector<uint64_t> folded;
   for (size_t first = 0; first < numbers.size(); first += kBlock) {
     folded.clear();
     for (const float number : numbers.subspan(first, std::min(kBlock, numbers.size() - first)))
@@ -167,8 +169,7 @@ std::vector<uint8_t> PackNumbers(std::span<const float> numbers, int exponent) {
   return writer.Finish();
 }
 
-Result<std::vector<float>> UnpackNumbers(std::span<const uint8_t> bytes, size_t count,
-                                         int exponent) {
+Result<Vector<float>> UnpackNumbers(std::span<const uint8_t> bytes, size_t count, int exponent) {
   if (exponent < kLeastPackingExponent || exponent > kMostPackingExponent) {
     return Error(StatusCode::kMalformed, "exponent %d is not within %d to %d", exponent,
                  kLeastPackingExponent, kMostPackingExponent);
@@ -179,7 +180,7 @@ Result<std::vector<float>> UnpackNumbers(std::span<const uint8_t> bytes, size_t 
                  count);
   }
   const double step = std::ldexp(1.0, exponent);
-  std::vector<float> numbers(count);
+  Vector<float> numbers(count);
   BitReader reader(bytes);
   for (size_t first = 0; first < count && !reader.failed(); first += kBlock) {
     TakeBlock(&reader, step, std::span(numbers).subspan(first, std::min(kBlock, count - first)));

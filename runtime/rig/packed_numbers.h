@@ -11,11 +11,11 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -29,12 +29,11 @@ int PackingExponent(std::span<const float> numbers, int bits);
 
 // Finite numbers, each rounded to the nearest multiple; exponent as PackingExponent gives it, or
 // such that no integer exceeds 30 bits.
-std::vector<uint8_t> PackNumbers(std::span<const float> numbers, int exponent);
+Vector<uint8_t> PackNumbers(std::span<const float> numbers, int exponent);
 
 // `count` numbers, exactly as many as the bytes hold. Errors: kMalformed (bytes missing or left
 // over, an integer, a number or the exponent out of range); nothing of more than 100 times the
 // bytes is allocated.
-Result<std::vector<float>> UnpackNumbers(std::span<const uint8_t> bytes, size_t count,
-                                         int exponent);
+Result<Vector<float>> UnpackNumbers(std::span<const uint8_t> bytes, size_t count, int exponent);
 
 }  // namespace limber

@@ -1,5 +1,7 @@
 #include "rig/rest_frames.h"
 
+#include "core/vector.h"
+
 #include <cmath>
 
 namespace limber {
@@ -42,7 +44,7 @@ Vec3 AnyOrthogonal(Vec3 normal) {
 }
 
 void ComputeNormals(const std::array<float, 9>& basis, SkinMesh* mesh) {
-  std::vector<Vec3> sums(mesh->num_solve_vertices);
+  Vector<Vec3> sums(mesh->num_solve_vertices);
   for (size_t t = 0; t < mesh->triangles.size(); t += 3) {
     uint32_t corner[3];
     for (size_t c = 0; c < 3; ++c)
@@ -62,7 +64,7 @@ void ComputeNormals(const std::array<float, 9>& basis, SkinMesh* mesh) {
 // Per triangle du/dx and dv/dx by the inverse of the texture map's Jacobian, summed at draw
 // vertices (texture seams keep their sides apart).
 void ComputeTangents(const std::array<float, 9>& basis, SkinMesh* mesh) {
-  std::vector<Vec3> along_u(mesh->num_draw_vertices), along_v(mesh->num_draw_vertices);
+  Vector<Vec3> along_u(mesh->num_draw_vertices), along_v(mesh->num_draw_vertices);
   for (size_t t = 0; t < mesh->triangles.size(); t += 3) {
     const uint32_t* corner = &mesh->triangles[t];
     const auto position = [mesh](uint32_t d) {

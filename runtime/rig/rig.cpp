@@ -2,6 +2,7 @@
 
 #include "core/out_of_memory.h"
 #include "core/printable.h"
+#include "core/vector.h"
 #include "rig/rig_fields.h"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ Status CheckVertices(const char* what, const float* values, size_t count, size_t
   return {};
 }
 
-Status CheckIndices(const char* table, const std::vector<uint32_t>& indices, uint32_t limit) {
+Status CheckIndices(const char* table, const Vector<uint32_t>& indices, uint32_t limit) {
   const auto bad = std::find_if(indices.begin(), indices.end(),
                                 [limit](uint32_t index) { return index >= limit; });
   if (bad == indices.end()) return {};
@@ -85,7 +86,7 @@ Status CheckSpace(const RigSpace& space) {
 }
 
 Status CheckHandles(const RigTables& tables, const SkinMesh& mesh) {
-  std::set<std::string> names;
+  std::set<std::string_view> names;
   bool any_pinned = false;
   for (const RigHandle& handle : tables.handles) {
     any_pinned |= handle.pinned;
@@ -108,7 +109,7 @@ Status CheckHandles(const RigTables& tables, const SkinMesh& mesh) {
                "no handle is pinned, so nothing holds the character in place; pin at least one");
 }
 
-Status CheckReach(const std::vector<float>& reach) {
+Status CheckReach(const Vector<float>& reach) {
   const auto bad = std::find_if(reach.begin(), reach.end(), [](float x) { return x < 0; });
   if (bad == reach.end()) return {};
   return Error(StatusCode::kMalformed, "handleReach: element %td is %g; expected zero or more",
@@ -128,8 +129,8 @@ Status CheckTables(const RigTables& tables) {
                                 int64_t{tables.num_handles()} * (tables.dimension + 1)));
   LIMBER_RETURN_IF_ERROR(CheckSpace(tables.space));
   Status status;
-  VisitRigTables(tables, [&status](const char* name, const std::vector<float>& table,
-                                   const std::vector<int64_t>& shape) {
+  VisitRigTables(tables, [&status](const char* name, const Vector<float>& table,
+                                   const Vector<int64_t>& shape) {
     if (!status.ok()) return;
     if (table.empty() && FirstVersionOfTable(name) > kOldestRigFormatVersion) return;
     status = CheckSize(name, table.size(), static_cast<size_t>(NumElements(shape)));
@@ -260,8 +261,8 @@ Result<std::shared_ptr<const Rig>> Rig::Create(std::string name, RigTables table
   return CatchOutOfMemory("rig", [&]() -> Result<std::shared_ptr<const Rig>> {
     Result<float> diagonal = CheckAll(tables, mesh);
     if (!diagonal.ok()) return diagonal.status().WithContext(Printable(name));
-    std::shared_ptr<Rig> rig(new Rig());
-    rig->name_ = std::move(name);
+    std::shared_ptr<Rig> rig = Share(new Rig());
+    rig->name_.assign(name);
     rig->tables_ = std::move(tables);
     rig->mesh_ = std::move(mesh);
     rig->diagonal_ = *diagonal;
@@ -269,7 +270,7 @@ Result<std::shared_ptr<const Rig>> Rig::Create(std::string name, RigTables table
   });
 }
 
-int Rig::FindHandle(const std::string& handle_name) const {
+int Rig::FindHandle(std::string_view handle_name) const {
   for (int h = 0; h < num_handles(); ++h) {
     if (tables_.handles[static_cast<size_t>(h)].name == handle_name) return h;
   }

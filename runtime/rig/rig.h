@@ -2,16 +2,17 @@
 // the loader or straight from the bake, then read by any number of threads without a lock.
 #pragma once
 
+#include "core/memory_source.h"
 #include "core/status.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 
 #include <memory>
-#include <string>
+#include <string_view>
 
 namespace limber {
 
-class Rig {
+class Rig : public NewFromSource {
  public:
   // Checks every size, index and number of both parts against each other and freezes them: all
   // numbers finite, the weights of every vertex a sum of one (to within 1e-4), no reach negative.
@@ -21,7 +22,7 @@ class Rig {
   static Result<std::shared_ptr<const Rig>> Create(std::string name, RigTables tables,
                                                    SkinMesh mesh);
 
-  const std::string& name() const { return name_; }
+  const String& name() const { return name_; }
 
   const RigTables& tables() const { return tables_; }
 
@@ -40,7 +41,7 @@ class Rig {
   float diagonal() const { return diagonal_; }
 
   // The handle of that name, -1 if there is none.
-  int FindHandle(const std::string& handle_name) const;
+  int FindHandle(std::string_view handle_name) const;
 
   // Rig space to mesh space and back.
   Vec3 ToMesh(Vec3 x_rig) const;
@@ -49,7 +50,7 @@ class Rig {
  private:
   Rig() = default;
 
-  std::string name_;
+  String name_;
   RigTables tables_;
   SkinMesh mesh_;
   float diagonal_ = 0;

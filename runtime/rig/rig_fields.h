@@ -4,11 +4,11 @@
 // named here and read in load/rig_table_reader.cpp.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 
 #include <cstdint>
 #include <string_view>
-#include <vector>
 
 namespace limber {
 
@@ -41,7 +41,7 @@ inline int FirstVersionOfTable(std::string_view name) {
 }
 
 // The number of elements of a table of that shape.
-inline int64_t NumElements(const std::vector<int64_t>& shape) {
+inline int64_t NumElements(const Vector<int64_t>& shape) {
   int64_t count = 1;
   for (const int64_t size : shape)
     count *= size;
@@ -52,7 +52,7 @@ inline int64_t NumElements(const std::vector<int64_t>& shape) {
 // product is the element count. `Tables` is RigTables or const RigTables.
 template <class Tables, class Visitor>
 void VisitRigTables(Tables& t, Visitor&& visit) {
-  using Shape = std::vector<int64_t>;
+  using Shape = Vector<int64_t>;
   const int64_t k = t.dimension, h = t.num_handles(), s = t.num_shapes(), g = t.num_groups;
   const int64_t n = t.num_transform_rows(), r = t.num_modes, r1 = t.num_single_modes;
   const int64_t m = r1 + k;

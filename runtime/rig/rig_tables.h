@@ -18,11 +18,11 @@
 #pragma once
 
 #include "core/vec3.h"
+#include "core/vector.h"
 
 #include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -41,7 +41,7 @@ struct RigSpace {
 
 // A point of the character that input moves (pinned), or that only adds freedom (not pinned).
 struct RigHandle {
-  std::string name;
+  String name;
   bool pinned = true;
   uint32_t vertex = 0;      // the solve vertex (below SkinMesh::num_solve_vertices) that it holds
   int32_t node = -1;        // the glTF node that stands for it, -1 for none
@@ -59,29 +59,29 @@ struct RigTables {
   int32_t num_single_modes = 0;  // r1 <= H*(k+1) - 1: modes of the models of one shape (for D)
   bool has_rotations = true;     // false: baked for the formulation without rotations only
   RigSpace space;
-  std::vector<RigHandle> handles;        // H of them
-  std::vector<std::string> shape_names;  // S of them, in the order of the example shapes
+  Vector<RigHandle> handles;   // H of them
+  Vector<String> shape_names;  // S of them, in the order of the example shapes
 
-  std::vector<float> mode_transforms;  // [n][1 + r]: phi_0 | Phi_1
-  std::vector<float> handle_modes;     // [H][1 + r]: row of M at the handle's vertex, times Phi
-  std::vector<float> mode_edges;       // [G][S][k][r]: K_z
-  std::vector<float> residual_factor;  // [rank][G*S*k]: F, columns (g, s, axis);
-                                       // without rotations [rank][G*S]: F^T F is then the Gram
-                                       // matrix of whole shapes, traces over axes taken
+  Vector<float> mode_transforms;  // [n][1 + r]: phi_0 | Phi_1
+  Vector<float> handle_modes;     // [H][1 + r]: row of M at the handle's vertex, times Phi
+  Vector<float> mode_edges;       // [G][S][k][r]: K_z
+  Vector<float> residual_factor;  // [rank][G*S*k]: F, columns (g, s, axis);
+                                  // without rotations [rank][G*S]: F^T F is then the Gram
+                                  // matrix of whole shapes, traces over axes taken
   // One FAST model (Jacobson et al. 2012) for each example shape, of which D is made. With
   // m = r1 + k, the energy of group g is E_g = |U [z; -R^T]|^2, U upper triangular, packed by rows.
-  std::vector<float> single_handle_modes;   // [S][H][1 + r1]
-  std::vector<float> single_edges;          // [S][G][k][r1]
-  std::vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
+  Vector<float> single_handle_modes;   // [S][H][1 + r1]
+  Vector<float> single_edges;          // [S][G][k][r1]
+  Vector<float> single_group_factors;  // [S][G][m*(m+1)/2]
 
   // Since version 2 of the format; each empty where the file is of version 1.
   // The transforms of those models: phi_0 | Phi_1 as in mode_transforms, rows (h, i). A point with
   // weights w and position p on shape s has the modes sum_hi w_h [p 1]_i row(s, h, i).
-  std::vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]
+  Vector<float> single_mode_transforms;  // [S][H*(k+1)][1 + r1]
   // How far apart two handles can be without stretching any example: the length of the shortest
   // path over the surface between their vertices, the largest over the example shapes; symmetric,
   // zero on the diagonal and where no path leads (no limit). As exact as geometry/geodesic.h says.
-  std::vector<float> handle_reach;  // [H][H], >= 0
+  Vector<float> handle_reach;  // [H][H], >= 0
 
   int num_handles() const { return static_cast<int>(handles.size()); }
 

@@ -7,10 +7,10 @@
 #pragma once
 
 #include "core/vec3.h"
+#include "core/vector.h"
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber {
 
@@ -26,19 +26,19 @@ struct SkinMesh {
   uint32_t num_draw_vertices = 0;   // D
   int32_t num_handles = 0, num_shapes = 0;
 
-  std::vector<float> weights;          // [V][H]: W, rows sum to one
-  std::vector<Vec3> shape_positions;   // [S][V], rig space
-  std::vector<uint32_t> solve_vertex;  // [D]: draw vertex -> solve vertex
-  std::vector<uint32_t> triangles;     // [3 * num_triangles] draw vertices, counter-clockwise
-  std::vector<SkinPrimitive> primitives;
+  Vector<float> weights;          // [V][H]: W, rows sum to one
+  Vector<Vec3> shape_positions;   // [S][V], rig space
+  Vector<uint32_t> solve_vertex;  // [D]: draw vertex -> solve vertex
+  Vector<uint32_t> triangles;     // [3 * num_triangles] draw vertices, counter-clockwise
+  Vector<SkinPrimitive> primitives;
 
-  std::vector<Vec3> rest_normals;    // [D] mesh space, unit; computed where the file has none
-  std::vector<float> rest_tangents;  // [4 * D] xyz and handedness; empty where the file has neither
-                                     // tangents nor texture coordinates
-  std::vector<float> texcoords;      // [2 * D], first set; empty where the file has none
+  Vector<Vec3> rest_normals;    // [D] mesh space, unit; computed where the file has none
+  Vector<float> rest_tangents;  // [4 * D] xyz and handedness; empty where the file has neither
+                                // tangents nor texture coordinates
+  Vector<float> texcoords;      // [2 * D], first set; empty where the file has none
 
   // The source's own vertex order (that of a packed OBJ): [D], each below num_source_vertices.
-  std::vector<uint32_t> source_vertex;
+  Vector<uint32_t> source_vertex;
   uint32_t num_source_vertices = 0;
 
   uint32_t num_triangles() const { return static_cast<uint32_t>(triangles.size() / 3); }

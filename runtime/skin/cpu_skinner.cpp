@@ -1,6 +1,7 @@
 #include "skin/cpu_skinner.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 #include "skin/vec3_math.h"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ Bounds BoundsOf(std::span<const Vec3> points, Vec3 offset) {
 }
 
 template <class T>
-StridedOutput Packed(std::vector<T>* vertices) {
+StridedOutput Packed(Vector<T>* vertices) {
   return {vertices->data(), sizeof(T)};
 }
 
@@ -54,7 +55,8 @@ Result<std::shared_ptr<const SkinSurface>> SkinSurface::Create(const SkinMesh& m
     Result<SkinTopology> topology = BuildSkinTopology(mesh, space);
     if (!topology.ok()) return topology.status();
     FrameLayout frames(*topology);
-    return Shared(new SkinSurface{SkinLayout(mesh), std::move(*topology), std::move(frames)});
+    return Shared(
+        Share(new SkinSurface{{}, SkinLayout(mesh), std::move(*topology), std::move(frames)}));
   });
 }
 

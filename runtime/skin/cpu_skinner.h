@@ -2,7 +2,9 @@
 // machines without Vulkan.
 #pragma once
 
+#include "core/memory_source.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 #include "skin/frame_layout.h"
@@ -14,7 +16,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -51,7 +52,7 @@ struct SkinOutputs {
 };
 
 // What all characters of a rig share: weights and shapes as skinning reads them, and the surface.
-struct SkinSurface {
+struct SkinSurface : NewFromSource {
   // Errors: kMalformed (CheckSkinMesh), kOutOfMemory.
   static Result<std::shared_ptr<const SkinSurface>> Create(const SkinMesh& mesh,
                                                            const RigSpace& space);
@@ -62,7 +63,7 @@ struct SkinSurface {
 };
 
 // Skins one character at a time; one thread at a time. Calls allocate nothing.
-class CpuSkinner {
+class CpuSkinner : public NewFromSource {
  public:
   // Errors: kInvalidArgument (null), kOutOfMemory.
   static Result<CpuSkinner> Create(std::shared_ptr<const SkinSurface> surface);
@@ -93,11 +94,11 @@ class CpuSkinner {
 
   std::shared_ptr<const SkinSurface> surface_;
   SkinScratch scratch_;
-  std::vector<Vec3> relative_;  // [V + 1] without the origin: edges keep their digits
+  Vector<Vec3> relative_;  // [V + 1] without the origin: edges keep their digits
   FrameScratch frames_;
   bool has_results_ = false;
-  std::vector<Vec3> solve_positions_, positions_, normals_;
-  std::vector<Tangent> tangents_;
+  Vector<Vec3> solve_positions_, positions_, normals_;
+  Vector<Tangent> tangents_;
 };
 
 }  // namespace limber

@@ -1,5 +1,7 @@
 #include "skin/frame_layout.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -24,7 +26,7 @@ uint32_t NumCorners(const SkinTopology& topology, uint32_t group) {
 FrameLayout::FrameLayout(const SkinTopology& topology)
     : num_groups_(topology.num_groups()),
       inverse_scale_(topology.inverse_scale) {
-  std::vector<uint32_t> sorted(num_groups_);
+  Vector<uint32_t> sorted(num_groups_);
   std::iota(sorted.begin(), sorted.end(), 0u);
   std::sort(sorted.begin(), sorted.end(), [&](uint32_t a, uint32_t b) {
     return NumCorners(topology, a) == NumCorners(topology, b)

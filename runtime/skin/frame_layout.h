@@ -3,13 +3,13 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 #include "skin/kernels/skin_kernels.h"
 #include "skin/skin_frames.h"
 #include "skin/skin_topology.h"
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -29,7 +29,7 @@ class FrameLayout {
 
   uint32_t num_groups_ = 0;
   float inverse_scale_ = 1;
-  std::vector<uint32_t> order_, centres_, first_corner_;  // as in FrameBlocks
+  Vector<uint32_t> order_, centres_, first_corner_;  // as in FrameBlocks
   AlignedVector<uint32_t> others_;
   AlignedVector<float> coefficients_;
 };
@@ -37,7 +37,7 @@ class FrameLayout {
 // Room of a frame's computation.
 struct FrameScratch {
   AlignedVector<SurfaceFrame> frames;  // [G + 1]
-  std::vector<uint32_t> unusual;       // [G]
+  Vector<uint32_t> unusual;            // [G]
 
   void Resize(uint32_t num_groups);
 };

@@ -1,5 +1,7 @@
 #include "skin/skin_layout.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <functional>
@@ -18,7 +20,7 @@ Status CheckCount(const char* table, size_t found, uint64_t expected) {
                found, static_cast<unsigned long long>(expected));
 }
 
-Status CheckIndices(const char* table, const std::vector<uint32_t>& indices, uint32_t limit) {
+Status CheckIndices(const char* table, const Vector<uint32_t>& indices, uint32_t limit) {
   const auto bad = std::find_if(indices.begin(), indices.end(),
                                 [limit](uint32_t index) { return index >= limit; });
   if (bad == indices.end()) return {};
@@ -88,7 +90,7 @@ void SkinLayout::ChooseOrder(const SkinMesh& mesh) {
   using Needs = std::pair<uint64_t, uint64_t>;  // handles, shapes
 
   const auto bit = [](size_t i) { return uint64_t{1} << (63 - i % 64); };
-  std::vector<Needs> needs(num_vertices_);
+  Vector<Needs> needs(num_vertices_);
   for (size_t v = 0; v < num_vertices_; ++v) {
     for (size_t h = 0; h < num_handles; ++h) {
       if (mesh.weights[v * num_handles + h] != 0) needs[v].first |= bit(h);

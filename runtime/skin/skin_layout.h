@@ -3,12 +3,12 @@
 
 #include "core/aligned_vector.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/skin_mesh.h"
 #include "skin/kernels/skin_kernels.h"
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -64,14 +64,14 @@ class SkinLayout {
 
   uint32_t num_vertices_ = 0;
   int num_handles_ = 0, num_shapes_ = 0;
-  std::vector<uint8_t> local_shapes_;    // [S]
-  std::vector<uint32_t> order_;          // [V] solve vertices
-  std::vector<uint32_t> first_handle_;   // [blocks + 1] into handles_
-  std::vector<uint32_t> handles_;        // of each block those with a weight, increasing
-  AlignedVector<float> weights_;         // [handles_][lanes]
-  std::vector<uint32_t> first_shape_;    // [blocks + 1] into shape_offsets_
-  std::vector<uint32_t> shape_offsets_;  // of each block those kept of it, the first last
-  AlignedVector<float> points_;          // [shape_offsets_][3][lanes]; see SkinBlocks
+  Vector<uint8_t> local_shapes_;    // [S]
+  Vector<uint32_t> order_;          // [V] solve vertices
+  Vector<uint32_t> first_handle_;   // [blocks + 1] into handles_
+  Vector<uint32_t> handles_;        // of each block those with a weight, increasing
+  AlignedVector<float> weights_;    // [handles_][lanes]
+  Vector<uint32_t> first_shape_;    // [blocks + 1] into shape_offsets_
+  Vector<uint32_t> shape_offsets_;  // of each block those kept of it, the first last
+  AlignedVector<float> points_;     // [shape_offsets_][3][lanes]; see SkinBlocks
 };
 
 }  // namespace limber

@@ -3,12 +3,12 @@
 
 #include "core/status.h"
 #include "core/vec3.h"
+#include "core/vector.h"
 #include "rig/skin_mesh.h"
 #include "skin/skin_layout.h"
 #include "skin/skin_transforms.h"
 
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -18,7 +18,7 @@ Status SkinPositionsReference(const SkinMesh& mesh, const SkinTransforms& transf
                               std::span<Vec3> out);
 
 // Scratch of one call, of the rig's size.
-using SkinScratch = std::vector<float>;
+using SkinScratch = Vector<float>;
 
 // The same in single precision, many vertices at a time, in the machine's best instruction set
 // (kernels/skin_kernels.h says which bits are the same); within a few float roundings of the

@@ -1,6 +1,7 @@
 #include "skin/skin_topology.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 #include "skin/skin_frames.h"
 #include "skin/skin_layout.h"
 #include "skin/vec3_math.h"
@@ -15,8 +16,8 @@ namespace {
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
 // The first example shape in mesh units and mesh orientation, without the origin.
-std::vector<Vec3> RestPositions(const SkinMesh& mesh, const RigSpace& space) {
-  std::vector<Vec3> rest(mesh.num_solve_vertices);
+Vector<Vec3> RestPositions(const SkinMesh& mesh, const RigSpace& space) {
+  Vector<Vec3> rest(mesh.num_solve_vertices);
   const auto& m = space.basis;
   for (size_t v = 0; v < rest.size(); ++v) {
     const Vec3 p = mesh.shape_positions[v];
@@ -36,10 +37,10 @@ Vec3 RestNormal(const SkinMesh& mesh, size_t d) {
 }
 
 // Groups draw vertices; those of one solve vertex are compared with the first of each group of it.
-void AssignGroups(const SkinMesh& mesh, const std::vector<Vec3>& normals, SkinTopology* topology) {
-  std::vector<uint32_t> first_group(mesh.num_solve_vertices, kNone);  // list of a solve vertex
-  std::vector<uint32_t> next_group;
-  std::vector<Vec3> group_normal;
+void AssignGroups(const SkinMesh& mesh, const Vector<Vec3>& normals, SkinTopology* topology) {
+  Vector<uint32_t> first_group(mesh.num_solve_vertices, kNone);  // list of a solve vertex
+  Vector<uint32_t> next_group;
+  Vector<Vec3> group_normal;
   for (uint32_t d = 0; d < mesh.num_draw_vertices; ++d) {
     const uint32_t v = mesh.solve_vertex[d];
     uint32_t group = first_group[v];
@@ -78,13 +79,13 @@ void VisitCorners(const SkinMesh& mesh, const SkinTopology& topology, Visitor&& 
 
 // Lists the triangles of each group: counted, then stored where the counts say.
 void ListCorners(const SkinMesh& mesh, SkinTopology* topology) {
-  std::vector<uint32_t>& starts = topology->group_corners;
+  Vector<uint32_t>& starts = topology->group_corners;
   starts.assign(size_t{topology->num_groups()} + 1, 0);
   VisitCorners(mesh, *topology,
                [&](uint32_t group, uint32_t, uint32_t) { ++starts[size_t{group} + 1]; });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   topology->corners.resize(starts.back());
-  std::vector<uint32_t> fill(starts.begin(), starts.end() - 1);
+  Vector<uint32_t> fill(starts.begin(), starts.end() - 1);
   VisitCorners(mesh, *topology, [&](uint32_t group, uint32_t a, uint32_t b) {
     SkinCorner& corner = topology->corners[fill[group]++];
     corner.a = a;
@@ -113,7 +114,7 @@ float NarrowOrZero(double x) {
 // same squared area, so nothing is divided by and a triangle without area weighs nothing. Triangles
 // that are out of proportion to each other by more than single precision holds weigh nothing
 // either.
-void FitCorners(const std::vector<Vec3>& rest, Vec3 first, Vec3 second, uint32_t group,
+void FitCorners(const Vector<Vec3>& rest, Vec3 first, Vec3 second, uint32_t group,
                 SkinTopology* topology) {
   const uint32_t begin = topology->group_corners[group], end = topology->group_corners[group + 1];
   const Vec3 centre = rest[topology->group_solve_vertex[group]];
@@ -188,14 +189,14 @@ Result<SkinTopology> BuildTopology(const SkinMesh& mesh, const RigSpace& space) 
   topology.has_tangents = !mesh.rest_tangents.empty();
   topology.draw_vertices.resize(mesh.num_draw_vertices);
 
-  std::vector<Vec3> normals(mesh.num_draw_vertices);
+  Vector<Vec3> normals(mesh.num_draw_vertices);
   for (size_t d = 0; d < normals.size(); ++d)
     normals[d] = RestNormal(mesh, d);
   AssignGroups(mesh, normals, &topology);
   ListCorners(mesh, &topology);
 
-  const std::vector<Vec3> rest = RestPositions(mesh, space);
-  std::vector<SurfaceFrame> frames(topology.num_groups());
+  const Vector<Vec3> rest = RestPositions(mesh, space);
+  Vector<SurfaceFrame> frames(topology.num_groups());
   for (uint32_t g = 0; g < topology.num_groups(); ++g) {
     Vec3 first, second;
     ChooseDirections(ComputeSurfaceFrame(topology, g, rest), &first, &second);

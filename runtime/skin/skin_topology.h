@@ -10,11 +10,11 @@
 
 #include "core/status.h"
 #include "core/vec3.h"
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
@@ -42,11 +42,11 @@ struct SkinDrawVertex {
 static_assert(sizeof(SkinDrawVertex) == 32, "as in shaders/shared/skin_layout.h");
 
 struct SkinTopology {
-  float inverse_scale = 1;                    // mesh units -> rig units: keeps products in range
-  std::vector<SkinDrawVertex> draw_vertices;  // [D]
-  std::vector<uint32_t> group_solve_vertex;   // [G]
-  std::vector<uint32_t> group_corners;        // [G + 1] first corner of each group
-  std::vector<SkinCorner> corners;            // [C]
+  float inverse_scale = 1;               // mesh units -> rig units: keeps products in range
+  Vector<SkinDrawVertex> draw_vertices;  // [D]
+  Vector<uint32_t> group_solve_vertex;   // [G]
+  Vector<uint32_t> group_corners;        // [G + 1] first corner of each group
+  Vector<SkinCorner> corners;            // [C]
   bool has_tangents = false;
 
   uint32_t num_groups() const { return static_cast<uint32_t>(group_solve_vertex.size()); }

@@ -1,5 +1,7 @@
 #include "skin_vulkan/vulkan_descriptors.h"
 
+#include "core/vector.h"
+
 namespace limber {
 
 VulkanDescriptors::~VulkanDescriptors() {
@@ -12,7 +14,7 @@ Status VulkanDescriptors::Create(const VulkanApi& api, VkDescriptorSetLayout lay
   if (count == 0) return {};
   api_ = &api;
   const auto num_sets = static_cast<uint32_t>(count);
-  std::vector<VkDescriptorPoolSize> sizes(of_each.begin(), of_each.end());
+  Vector<VkDescriptorPoolSize> sizes(of_each.begin(), of_each.end());
   for (VkDescriptorPoolSize& size : sizes)
     size.descriptorCount *= num_sets;
   auto pool = VulkanInfo<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
@@ -22,7 +24,7 @@ Status VulkanDescriptors::Create(const VulkanApi& api, VkDescriptorSetLayout lay
   LIMBER_RETURN_IF_ERROR(
       VulkanStatus(api.CreateDescriptorPool(api.device, &pool, api.callbacks, &pool_),
                    "vkCreateDescriptorPool"));
-  const std::vector<VkDescriptorSetLayout> layouts(count, layout);
+  const Vector<VkDescriptorSetLayout> layouts(count, layout);
   auto info =
       VulkanInfo<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
   info.descriptorPool = pool_;

@@ -1,14 +1,15 @@
 // Descriptor sets of one layout, with a pool of their own that is freed with them.
 #pragma once
 
+#include "core/memory_source.h"
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_api.h"
 
 #include <span>
-#include <vector>
 
 namespace limber {
 
-class VulkanDescriptors {
+class VulkanDescriptors : public NewFromSource {
  public:
   VulkanDescriptors() = default;
   VulkanDescriptors(const VulkanDescriptors&) = delete;
@@ -25,7 +26,7 @@ class VulkanDescriptors {
  private:
   const VulkanApi* api_ = nullptr;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  std::vector<VkDescriptorSet> sets_;
+  Vector<VkDescriptorSet> sets_;
 };
 
 // Puts buffers at the bindings 0, 1, ... of a set of storage buffers.

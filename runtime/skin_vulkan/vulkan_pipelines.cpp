@@ -1,5 +1,6 @@
 #include "skin_vulkan/vulkan_pipelines.h"
 
+#include "core/vector.h"
 #include "shaders/skin_positions.spv.h"
 #include "shaders/skin_vertices.spv.h"
 #include "shared/skin_layout.h"
@@ -54,7 +55,7 @@ Status SkinPipelines::FindPositions(uint32_t num_handles, uint32_t num_shapes,
 }
 
 Status SkinPipelines::CreateSetLayout(uint32_t num_bindings, VkDescriptorSetLayout* layout) {
-  std::vector<VkDescriptorSetLayoutBinding> bindings(num_bindings);
+  Vector<VkDescriptorSetLayoutBinding> bindings(num_bindings);
   for (uint32_t i = 0; i < num_bindings; ++i) {
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }

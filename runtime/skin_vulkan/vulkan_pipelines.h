@@ -1,10 +1,10 @@
 // The compute pipelines of skinning and the layouts that they share.
 #pragma once
 
+#include "core/vector.h"
 #include "skin_vulkan/vulkan_api.h"
 
 #include <array>
-#include <vector>
 
 namespace limber {
 
@@ -52,7 +52,7 @@ class SkinPipelines {
   std::array<VkDescriptorSetLayout, kNumSets> set_layouts_{};
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkPipeline vertices_ = VK_NULL_HANDLE;
-  std::vector<Positions> positions_;
+  Vector<Positions> positions_;
 };
 
 }  // namespace limber

@@ -1,6 +1,7 @@
 // Which instances go into one dispatch, and where everything of a frame lies. Calls no Vulkan.
 #pragma once
 
+#include "core/vector.h"
 #include "skin/skin_transforms.h"
 #include "skin_vulkan/vulkan_buffer.h"
 #include "skin_vulkan/vulkan_skin_rig.h"
@@ -8,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -70,8 +70,8 @@ class SkinBatches {
 
   const VulkanApi& api_;
   bool many_;
-  std::vector<SkinBatch> batches_;
-  std::vector<uint32_t> order_;
+  Vector<SkinBatch> batches_;
+  Vector<uint32_t> order_;
   VkDeviceSize upload_bytes_ = 0, scratch_bytes_ = 0;
 };
 

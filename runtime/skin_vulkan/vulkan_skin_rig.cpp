@@ -1,5 +1,6 @@
 #include "skin_vulkan/vulkan_skin_rig.h"
 
+#include "core/vector.h"
 #include "shared/skin_layout.h"
 #include "skin/skin_topology.h"
 
@@ -15,7 +16,7 @@ static_assert(sizeof(SkinCorner) == sizeof(shaders::SkinCorner));
 static_assert(offsetof(SkinDrawVertex, handedness) == 24, "third float of the shader's tangent");
 
 template <class T>
-std::span<const std::byte> Bytes(const std::vector<T>& table) {
+std::span<const std::byte> Bytes(const Vector<T>& table) {
   return std::as_bytes(std::span(table));
 }
 
@@ -23,8 +24,8 @@ std::span<const std::byte> Bytes(const std::vector<T>& table) {
 
 // The rig's tables as the shaders read them, by binding.
 struct VulkanSkinRig::Tables {
-  std::vector<float> weights;  // [H][V]
-  std::vector<float> shapes;   // [S][3][V]
+  Vector<float> weights;  // [H][V]
+  Vector<float> shapes;   // [S][3][V]
   SkinTopology topology;
 
   Tables(const SkinMesh& mesh, SkinTopology made) : topology(std::move(made)) {

@@ -1,6 +1,7 @@
 // A rig on the device: the tables that its characters share. Immutable once they are uploaded.
 #pragma once
 
+#include "core/memory_source.h"
 #include "core/status.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
@@ -22,7 +23,7 @@ struct SkinRigCounts {
   size_t num_matrix_floats() const { return size_t{num_rows()} * 4; }
 };
 
-class VulkanSkinRig {
+class VulkanSkinRig : public NewFromSource {
  public:
   // `force_staging`: in plain device memory, filled from a staging copy, although the device has
   // memory that is device-local and host-visible. Errors: kMalformed (the mesh), kLimitExceeded (a

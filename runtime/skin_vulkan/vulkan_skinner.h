@@ -8,7 +8,9 @@
 // objects are independent of each other. What Vulkan must have: vulkan_host.h.
 #pragma once
 
+#include "core/memory_source.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 #include "skin_vulkan/vulkan_buffer.h"
@@ -21,7 +23,6 @@
 #include <array>
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -46,7 +47,7 @@ struct SkinConsumer {
   VkAccessFlags access = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT;
 };
 
-class VulkanSkinner {
+class VulkanSkinner : public NewFromSource {
  public:
   // Errors: kInvalidArgument, kLimitExceeded (too few storage buffers a stage), kDeviceError.
   static Result<std::unique_ptr<VulkanSkinner>> Create(const VulkanHost& host,
@@ -83,8 +84,8 @@ class VulkanSkinner {
     std::unique_ptr<VulkanDescriptors> sets;
     size_t num_sets = 0;
     // Freed when the slot comes round again.
-    std::vector<VulkanBuffer> old_buffers;
-    std::vector<std::unique_ptr<VulkanSkinRig>> old_rigs;
+    Vector<VulkanBuffer> old_buffers;
+    Vector<std::unique_ptr<VulkanSkinRig>> old_rigs;
   };
 
   // Where an instance's solve positions of a frame are.
@@ -98,7 +99,7 @@ class VulkanSkinner {
   // Solve positions of one frame, kept for the next.
   struct Scratch {
     VulkanBuffer buffer;
-    std::vector<Place> places;  // by instance
+    Vector<Place> places;  // by instance
   };
 
   VulkanSkinner(const VulkanApi& api, const VulkanSkinnerOptions& options, bool many)
@@ -128,8 +129,8 @@ class VulkanSkinner {
   VulkanApi api_;
   VulkanSkinnerOptions options_;
   SkinPipelines pipelines_;
-  std::vector<std::unique_ptr<VulkanSkinRig>> rigs_;
-  std::vector<Slot> slots_;
+  Vector<std::unique_ptr<VulkanSkinRig>> rigs_;
+  Vector<Slot> slots_;
   Slot* last_slot_ = nullptr;  // of the last Record
   std::array<Scratch, 2> scratches_;
   uint64_t num_frames_ = 0;

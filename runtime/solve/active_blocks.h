@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 #include "solve/pose_model.h"
 
 #include <cstddef>
-#include <vector>
 
 namespace limber {
 
@@ -38,7 +38,7 @@ class ActiveBlocks {
   size_t size() const { return blocks_.size(); }
 
   // Ascending.
-  const std::vector<int>& blocks() const { return blocks_; }
+  const Vector<int>& blocks() const { return blocks_; }
 
   double weight(size_t at) const { return weights_[at]; }  // B_j
 
@@ -46,8 +46,8 @@ class ActiveBlocks {
   const double* scaled(size_t at) const { return scaled_.data() + at * (size_t{K} * K); }
 
  private:
-  std::vector<int> blocks_;
-  std::vector<double> weights_;
+  Vector<int> blocks_;
+  Vector<double> weights_;
   AlignedVector<double> scaled_;
 };
 

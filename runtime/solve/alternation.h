@@ -9,6 +9,8 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/memory_source.h"
+#include "core/vector.h"
 #include "solve/active_blocks.h"
 #include "solve/convex_step.h"
 #include "solve/elastic_form.h"
@@ -19,8 +21,6 @@
 
 #include <Eigen/Core>
 
-#include <vector>
-
 namespace limber {
 
 // Of the convex step, relative to the energy of one example's edges: delta^2, rho, and the f that
@@ -30,7 +30,7 @@ inline constexpr double kProximal = 1e-10;
 inline constexpr double kMatched = 1e-11;
 
 template <int K>
-class Alternation {
+class Alternation : public NewFromSource {
  public:
   using Rotation = Eigen::Matrix<double, K, K>;
 
@@ -151,7 +151,7 @@ class Alternation {
   AlignedVector<double> fits_;                        // K^, planes
   AlignedVector<double> pin_values_;                  // t and e, [1 + q and a little][K]
   AlignedVector<double> transforms_;                  // T^
-  std::vector<uint8_t> failed_;                       // [padded], scratch
+  Vector<uint8_t> failed_;                            // [padded], scratch
   ElasticMemory<K> memory_;                           // of B and R
   ConvexStep convex_step_;
   NearnessStep<K> nearness_step_;

@@ -17,11 +17,11 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace limber {
 
@@ -111,16 +111,16 @@ class BlendWeightStep {
   size_t row_stride_, used_stride_;  // rows and max_used in whole chunks
 
   // The weights in use, by slot.
-  std::vector<int> used_;            // block of each slot
-  std::vector<int> slot_;            // [G*S]: slot of each block, -1 for none
+  Vector<int> used_;                 // block of each slot
+  Vector<int> slot_;                 // [G*S]: slot of each block, -1 for none
   AlignedVector<double> loads_;      // A(:, block), [max_used][row_stride]
   AlignedVector<double> quadratic_;  // Q among them, [max_used][used_stride]
 
-  std::vector<uint8_t> is_free_;    // [G*S]
-  std::vector<int> free_;           // free weights that are not their group's reference
-  std::vector<int> reference_;      // [G]: the free weight that the others of the group trade with
-  std::vector<double> nearness_;    // [G*S]: the linear term, exact where exact_ says so
-  std::vector<uint8_t> is_exact_;   // [G*S]
+  Vector<uint8_t> is_free_;         // [G*S]
+  Vector<int> free_;                // free weights that are not their group's reference
+  Vector<int> reference_;           // [G]: the free weight that the others of the group trade with
+  Vector<double> nearness_;         // [G*S]: the linear term, exact where exact_ says so
+  Vector<uint8_t> is_exact_;        // [G*S]
   AlignedVector<double> gradient_;  // [padded] of f at B, the proximal term included
   AlignedVector<double> errors_;    // [padded] of it at most
   AlignedVector<double> residual_;  // A B - a, [row_stride]

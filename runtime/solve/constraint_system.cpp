@@ -1,6 +1,7 @@
 #include "solve/constraint_system.h"
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Jacobi>
@@ -174,7 +175,7 @@ void ConstraintSystem::FillTranslation(std::span<const ConstraintRow> rows) {
   double squared = 0;
   for (const ConstraintRow& row : rows)
     squared += row.translation * row.translation;
-  std::vector<double>& reached = reflector_;  // a^T G
+  Vector<double>& reached = reflector_;  // a^T G
   for (Eigen::Index j = 0; j < Rows(); ++j) {
     double sum = 0;
     for (size_t i = 0; i < size_; ++i)

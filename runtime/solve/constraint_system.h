@@ -11,11 +11,12 @@
 // runs.
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -65,13 +66,13 @@ class ConstraintSystem {
 
   Eigen::Index num_modes_;
   size_t size_ = 0, rank_ = 0;
-  std::vector<double> modes_, response_, root_, translation_;
-  std::vector<double> gram_;          // C C^T + diag(alpha): c x c
-  std::vector<double> reflector_;     // v of the Householder reflection that maps a onto an axis
-  double reflector_scale_ = 0;        // 2 / v^T v
-  std::vector<double> reduced_;       // the gram matrix in the space across a: (c-1) x (c-1)
-  std::vector<double> factor_;        // scratch, the same size
-  std::vector<double> reduced_root_;  // of its pseudo-inverse: (c-1) x q
+  Vector<double> modes_, response_, root_, translation_;
+  Vector<double> gram_;          // C C^T + diag(alpha): c x c
+  Vector<double> reflector_;     // v of the Householder reflection that maps a onto an axis
+  double reflector_scale_ = 0;   // 2 / v^T v
+  Vector<double> reduced_;       // the gram matrix in the space across a: (c-1) x (c-1)
+  Vector<double> factor_;        // scratch, the same size
+  Vector<double> reduced_root_;  // of its pseudo-inverse: (c-1) x q
 };
 
 }  // namespace limber

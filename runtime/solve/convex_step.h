@@ -2,6 +2,7 @@
 // blend for the whole character (G = 1 and everything summed over groups).
 #pragma once
 
+#include "core/vector.h"
 #include "solve/blend_weight_step.h"
 
 namespace limber {
@@ -25,10 +26,10 @@ class ConvexStep {
 
   int num_groups_, num_shapes_;
   BlendWeightStep varying_, uniform_;
-  std::vector<double> blend_, nearness_;              // [S]
+  Vector<double> blend_, nearness_;                   // [S]
   AlignedVector<double> spread_, gradient_, errors_;  // [G*S padded], scratch
   AlignedVector<double> entries_, load_;              // [G], [rows], scratch
-  std::vector<int> blocks_;                           // one shape of every group
+  Vector<int> blocks_;                                // one shape of every group
 };
 
 }  // namespace limber

@@ -1,5 +1,7 @@
 #include "solve/elastic_form.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 
 namespace limber {
@@ -119,7 +121,7 @@ void ElasticForm<K>::Gradient(const double* blend, const double* residual, doubl
 
 template <int K>
 double ElasticForm<K>::HalfSquare() {
-  const std::vector<int>& blocks = memory_.active.blocks();
+  const Vector<int>& blocks = memory_.active.blocks();
   double half = 0;
   for (size_t at = 0; at < blocks.size(); ++at) {
     Entries(blocks[at], blocks.data(), at + 1, memory_.entries.data());

@@ -2,6 +2,7 @@
 
 #include "core/out_of_memory.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 
 #include <Eigen/Geometry>
 
@@ -137,7 +138,7 @@ Status HeldPoints::MakeRoom(const Rig& rig) {
 }
 
 void HeldPoints::Reset(const PoseModel& model) {
-  const std::vector<RigHandle>& handles = model.rig->tables().handles;
+  const Vector<RigHandle>& handles = model.rig->tables().handles;
   for (size_t h = 0; h < handles.size(); ++h) {
     handles_[h] = {handles[h].pinned, 0, handles[h].rest_position,
                    ToRigSpace(*model.rig, handles[h].rest_position)};

@@ -5,6 +5,7 @@
 #include "core/quaternion.h"
 #include "core/status.h"
 #include "core/vec3.h"
+#include "core/vector.h"
 #include "solve/held_rows.h"
 #include "solve/pin_set.h"
 #include "solve/pose_model.h"
@@ -14,7 +15,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -87,7 +87,7 @@ class HeldPoints {
   };
 
   // For pins of its own.
-  struct Room {
+  struct Room : NewFromSource {
     Room(const Rig& rig, size_t num_handles, size_t num_extra_rows, size_t max_turns);
 
     HeldRowTable extra_rows;  // of the turns, then of the grabs
@@ -104,14 +104,14 @@ class HeldPoints {
   size_t grab_row(size_t slot) const { return turns_.size() * dimension_ + slot; }
 
   size_t dimension_;
-  std::vector<Point> handles_;
-  std::vector<double> weights_;  // [H]
-  std::vector<int> pinned_;
-  std::vector<Turn> turns_;
-  std::vector<Grabbed> grabs_;
-  std::unique_ptr<Room> room_;       // null: not made yet
-  std::vector<Hold> holds_;          // scratch
-  std::vector<TurnedPatch> turned_;  // scratch
+  Vector<Point> handles_;
+  Vector<double> weights_;  // [H]
+  Vector<int> pinned_;
+  Vector<Turn> turns_;
+  Vector<Grabbed> grabs_;
+  std::unique_ptr<Room> room_;  // null: not made yet
+  Vector<Hold> holds_;          // scratch
+  Vector<TurnedPatch> turned_;  // scratch
   bool is_changed_ = false;
   const PinSet* pins_;  // the model's while nothing was changed
 };

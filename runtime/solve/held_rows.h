@@ -11,11 +11,11 @@
 
 #include "core/aligned_vector.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "rig/skin_point.h"
 
 #include <array>
-#include <vector>
 
 namespace limber {
 
@@ -65,9 +65,9 @@ class HeldRowTable {
   void FillProducts(const RigTables& tables, size_t at);
 
   size_t num_modes_, num_loads_, num_transforms_, single_stride_, single_size_;
-  std::vector<double> translations_;  // [rows]
+  Vector<double> translations_;  // [rows]
   AlignedVector<double> modes_, loads_, response_, single_;
-  std::vector<double> coefficients_;  // a row of M: n, scratch
+  Vector<double> coefficients_;  // a row of M: n, scratch
 };
 
 }  // namespace limber

@@ -18,13 +18,13 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 #include "solve/active_blocks.h"
 #include "solve/pose_model.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
@@ -90,7 +90,7 @@ class ModeEnergy {
   AlignedVector<double> near_;     // sum_j B_j H_ij R_j^T, planes
   AlignedVector<double> singles_;  // P, [G*S][K][4]
   ActiveBlocks<K> active_;         // of the last B and R that were given
-  std::vector<uint8_t> failed_;    // [padded], scratch
+  Vector<uint8_t> failed_;         // [padded], scratch
 };
 
 extern template class ModeEnergy<2>;

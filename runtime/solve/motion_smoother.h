@@ -14,16 +14,17 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/memory_source.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
 template <int K>
-class MotionSmoother {
+class MotionSmoother : public NewFromSource {
  public:
   // Blocks are (group, shape), as everywhere in this folder.
   MotionSmoother(size_t num_groups, size_t num_shapes);
@@ -56,8 +57,8 @@ class MotionSmoother {
   size_t num_groups_, num_shapes_;
   Track blend_, rotations_;
   AlignedVector<double> shown_blend_, shown_rotations_;
-  AlignedVector<double> fits_;   // scratch
-  std::vector<uint8_t> failed_;  // scratch
+  AlignedVector<double> fits_;  // scratch
+  Vector<uint8_t> failed_;      // scratch
 };
 
 extern template class MotionSmoother<2>;

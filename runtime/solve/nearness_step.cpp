@@ -1,5 +1,6 @@
 #include "solve/nearness_step.h"
 
+#include "core/vector.h"
 #include "solve/patch_turns.h"
 #include "solve/rotation_planes.h"
 
@@ -39,7 +40,7 @@ typename NearnessStep<K>::Memory NearnessStep<K>::MakeMemory(const PoseModel& mo
   const auto shapes = static_cast<size_t>(model.num_shapes);
   return {AlignedVector<double>(shapes * model.group_chunks() * kBlockLanes * K * K),
           AlignedVector<double>(shapes * K * model.single_stride()),
-          std::vector<double>(static_cast<size_t>(model.num_blocks))};
+          Vector<double>(static_cast<size_t>(model.num_blocks))};
 }
 
 template <int K>

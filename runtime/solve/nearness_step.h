@@ -9,10 +9,10 @@
 // have |J_g dz| <= |dz|.
 #pragma once
 
+#include "core/vector.h"
 #include "solve/pose_model.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
@@ -22,7 +22,7 @@ class NearnessStep {
   // What one call leaves to the next; everything else is scratch.
   struct Memory {
     AlignedVector<double> rotations, modes;
-    std::vector<double> lower;
+    Vector<double> lower;
   };
 
   static Memory MakeMemory(const PoseModel& model);
@@ -78,8 +78,8 @@ class NearnessStep {
   AlignedVector<double> fits_;            // planes over groups
   AlignedVector<double> turned_;          // |dR| of one shape's groups, [G padded]
   AlignedVector<double> squares_;         // [G*S][8]: what the rows done add to D
-  std::vector<size_t> rows_done_;         // [G*S]: rows of U
-  std::vector<uint8_t> failed_;           // [G padded]
+  Vector<size_t> rows_done_;              // [G*S]: rows of U
+  Vector<uint8_t> failed_;                // [G padded]
 };
 
 extern template class NearnessStep<2>;

@@ -10,13 +10,13 @@
 
 #include "core/aligned_vector.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 #include "solve/pin_set.h"
 
 #include <Eigen/Core>
 
 #include <array>
-#include <vector>
 
 namespace limber {
 
@@ -61,9 +61,9 @@ class PatchTurns {
                     const double* blend) const;
 
   size_t blocks_;
-  AlignedVector<double> axis_rows_;                 // V_j^T R_j^T of the axes: [axis][K][blocks]
-  AlignedVector<double> axis_values_;               // [K][axes], scratch
-  std::vector<Eigen::Matrix<double, K, K>> turns_;  // R Q^T
+  AlignedVector<double> axis_rows_;            // V_j^T R_j^T of the axes: [axis][K][blocks]
+  AlignedVector<double> axis_values_;          // [K][axes], scratch
+  Vector<Eigen::Matrix<double, K, K>> turns_;  // R Q^T
 };
 
 extern template class PatchTurns<2>;

@@ -4,13 +4,13 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "solve/constraint_system.h"
 #include "solve/held_rows.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <span>
-#include <vector>
 
 namespace limber {
 
@@ -67,7 +67,7 @@ class PinSet {
   // L: 1 + q columns in bunches of k, [bunch][row chunk][k][8].
   AlignedVector<float> transforms;
 
-  std::vector<TurnedPatch> turns;
+  Vector<TurnedPatch> turns;
   // V_i of the turns' rows, as `loads`: [chunk][k][axes][8].
   AlignedVector<double> axis_loads;
   size_t num_axes = 0;  // rows of all turns together
@@ -90,10 +90,10 @@ class PinSet {
   size_t holds_capacity_, dimension_, num_blocks_, num_transforms_, num_shapes_;
   size_t single_stride_, num_single_modes_;
   ConstraintSystem single_system_;
-  std::vector<ConstraintRow> rows_;  // scratch
+  Vector<ConstraintRow> rows_;  // scratch
   AlignedVector<double> block_loads_;
   AlignedVector<double> single_modes_;
-  std::vector<double> single_response_;
+  Vector<double> single_response_;
 };
 
 }  // namespace limber

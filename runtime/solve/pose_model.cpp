@@ -1,6 +1,7 @@
 #include "solve/pose_model.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,7 @@ namespace {
 using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using TableMap = Eigen::Map<const RowMajorF>;
 
-TableMap MapTable(const std::vector<float>& table, Eigen::Index rows, Eigen::Index columns) {
+TableMap MapTable(const Vector<float>& table, Eigen::Index rows, Eigen::Index columns) {
   return TableMap(table.data(), rows, columns);
 }
 
@@ -170,13 +171,13 @@ double SumOfEdgeEnergies(const RigTables& tables) {
 
 void HoldHandles(PoseModel* model) {
   const Rig& rig = *model->rig;
-  const auto rows = std::make_shared<HeldRowTable>(rig, rig.tables().handles.size());
+  const auto rows = MakeShared<HeldRowTable>(rig, rig.tables().handles.size());
   for (int h = 0; h < rig.num_handles(); ++h)
     rows->FillHandle(rig, static_cast<size_t>(h), h);
-  std::vector<Hold> holds;
+  Vector<Hold> holds;
   for (const int h : model->pinned_handles)
     holds.push_back({rows->row(static_cast<size_t>(h)), 0});
-  const auto pins = std::make_shared<PinSet>(rig, holds.size());
+  const auto pins = MakeShared<PinSet>(rig, holds.size());
   pins->Build(rig, holds);
   model->handle_rows = rows;
   model->pins = pins;
@@ -218,7 +219,7 @@ Result<std::shared_ptr<const PoseModel>> PoseModel::Build(std::shared_ptr<const 
                  tables.has_rotations ? tables.dimension : 1, columns,
                  static_cast<int>(kMostRigColumns));
   }
-  std::shared_ptr<PoseModel> model(new PoseModel());
+  std::shared_ptr<PoseModel> model = Share(new PoseModel());
   model->k = tables.dimension;
   model->num_groups = tables.num_groups;
   model->num_shapes = tables.num_shapes();

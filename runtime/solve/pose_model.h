@@ -5,7 +5,9 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/memory_source.h"
 #include "core/status.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "solve/held_rows.h"
 #include "solve/kernels/solve_kernels.h"
@@ -14,11 +16,10 @@
 #include <Eigen/Core>
 
 #include <memory>
-#include <vector>
 
 namespace limber {
 
-class PoseModel {
+class PoseModel : public NewFromSource {
  public:
   // Time and memory grow with (G*S*k)^2, in double from the rig's single-precision tables. Errors:
   // kInvalidArgument (no rig), kNoHandles, kLimitExceeded, kOutOfMemory.
@@ -27,8 +28,8 @@ class PoseModel {
   std::shared_ptr<const Rig> rig;
   int k = 0, num_groups = 0, num_shapes = 0, num_modes = 0, num_single_modes = 0;  // k G S r r1
   int num_blocks = 0;                               // N = G*S, numbered g*S + s
-  std::vector<int> pin_of_handle;                   // [H]: row of `pins`, -1 for a free handle
-  std::vector<int> pinned_handles;                  // those that are pinned in the rig, ascending
+  Vector<int> pin_of_handle;                        // [H]: row of `pins`, -1 for a free handle
+  Vector<int> pinned_handles;                       // those that are pinned in the rig, ascending
   std::shared_ptr<const PinSet> pins;               // made of them
   std::shared_ptr<const HeldRowTable> handle_rows;  // of all handles
   double energy_scale = 0;  // 1/2 mean over shapes of tr H: the size of one example's edges
@@ -87,8 +88,8 @@ class PoseModel {
   // [G*S] of U, as the kernels want it: the rows that a lower bound needs lie together, so that the
   // bounds of all blocks are one walk through memory.
   AlignedVector<float> single_heads, single_tails;
-  size_t single_tail_size = 0;            // numbers of one; of a head 8 single_size()
-  std::vector<double> single_edge_norms;  // [G*S]: |E_gs|
+  size_t single_tail_size = 0;       // numbers of one; of a head 8 single_size()
+  Vector<double> single_edge_norms;  // [G*S]: |E_gs|
 
  private:
   PoseModel() = default;

@@ -1,6 +1,7 @@
 #include "solve/pose_solver.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 #include "solve/pose_state_impl.h"
 
 namespace limber {
@@ -69,7 +70,7 @@ Vec3 PoseState::target(int handle) const {
 }
 
 Status PoseState::Pin(int handle) {
-  const std::vector<RigHandle>& handles = rig().tables().handles;
+  const Vector<RigHandle>& handles = rig().tables().handles;
   const bool known = handle >= 0 && handle < rig().num_handles();
   const uint32_t vertex = known ? handles[static_cast<size_t>(handle)].vertex : 0;
   return impl_->held.Pin(rig(), handle, impl_->Place({{vertex, vertex, vertex}, {1, 0, 0}}));

@@ -1,11 +1,11 @@
 #include "solve/pose_state_impl.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -37,7 +37,7 @@ class Deadline {
 // plane the third rig coordinate is zero and stays so. transforms: [row chunk][K][8].
 template <int K>
 void StoreMatrices(const RigSpace& space, const AlignedVector<double>& transforms,
-                   std::vector<float>* matrices) {
+                   Vector<float>* matrices) {
   double to_mesh[3][K];
   for (size_t axis = 0; axis < 3; ++axis) {
     for (size_t c = 0; c < K; ++c)

@@ -1,6 +1,7 @@
 // What a PoseState is made of. Private to this folder.
 #pragma once
 
+#include "core/vector.h"
 #include "solve/alternation.h"
 #include "solve/held_points.h"
 #include "solve/motion_smoother.h"
@@ -12,7 +13,6 @@
 
 #include <memory>
 #include <variant>
-#include <vector>
 
 namespace limber {
 
@@ -33,7 +33,7 @@ struct Unknowns {
   std::unique_ptr<MotionSmoother<K>> smoother;  // null: made by the first call that smooths
 };
 
-class PoseState::Impl {
+class PoseState::Impl : public NewFromSource {
  public:
   // workspaces: null, or of that model and with that room.
   Impl(std::shared_ptr<const PoseModel> model, PoseRoom room,
@@ -46,7 +46,7 @@ class PoseState::Impl {
 
   std::shared_ptr<const PoseModel> model;
   HeldPoints held;
-  std::vector<float> matrices;  // [H][S][3][4]
+  Vector<float> matrices;  // [H][S][3][4]
 
  private:
   Status Check(const PoseOptions& options) const;

@@ -3,11 +3,11 @@
 
 #include "core/aligned_vector.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace limber {
 
@@ -37,7 +37,7 @@ Eigen::Matrix<double, K, K> MatrixOfBlock(const double* planes, size_t block) {
 // the kernel (targets that jumped) by a singular value decomposition. failed: scratch, [padded].
 template <int K>
 void FitRotationPlanes(const SolveKernels& kernels, size_t count, const AlignedVector<double>& fits,
-                       double* rotations, std::vector<uint8_t>* failed) {
+                       double* rotations, Vector<uint8_t>* failed) {
   kernels.fit_rotations(fits.data(), rotations, NumChunks(count), failed->data());
   for (size_t i = 0; i < count; ++i) {
     if ((*failed)[i] == 0) continue;

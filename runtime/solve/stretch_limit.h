@@ -12,15 +12,16 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/memory_source.h"
+#include "core/vector.h"
 #include "solve/kernels/solve_kernels.h"
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 namespace limber {
 
-class StretchLimit {
+class StretchLimit : public NewFromSource {
  public:
   struct Outcome {
     int pairs_at_limit = 0;  // that hold points back
@@ -66,10 +67,10 @@ class StretchLimit {
   const SolveKernels& kernels_;
   size_t max_points_, stride_;  // and the same in whole chunks
   size_t max_active_, active_stride_;
-  std::vector<Pair> pairs_;
-  std::vector<size_t> active_;          // pairs that pull, or that ought to
-  std::vector<double> weights_;         // w by point
-  std::vector<double> targets_, x_;     // [c][3]
+  Vector<Pair> pairs_;
+  Vector<size_t> active_;               // pairs that pull, or that ought to
+  Vector<double> weights_;              // w by point
+  Vector<double> targets_, x_;          // [c][3]
   AlignedVector<double> factor_;        // of W + Laplacian; rows of immovable points the identity's
   AlignedVector<double> inverse_;       // columns of its inverse
   AlignedVector<double> hessian_;       // of the dual, active pairs

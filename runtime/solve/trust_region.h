@@ -29,6 +29,7 @@
 #pragma once
 
 #include "core/aligned_vector.h"
+#include "core/memory_source.h"
 #include "solve/alternation.h"
 #include "solve/blend_weight_step.h"
 #include "solve/mode_energy.h"
@@ -37,7 +38,7 @@
 namespace limber {
 
 template <int K>
-class TrustRegion {
+class TrustRegion : public NewFromSource {
  public:
   using Settings = typename Alternation<K>::Settings;
 

@@ -5,6 +5,7 @@
 #include "bake/skinning_weights.h"
 #include "bench/paper_table.h"
 #include "benchmarks/bench_character.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/cotangent.h"
 #include "geometry/weld.h"
@@ -16,20 +17,19 @@
 #include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace limber::bench {
 namespace {
 
 struct WeightsProblem {
   geometry::SolveMesh mesh;
-  std::vector<int> handle_vertices;
+  Vector<int> handle_vertices;
 };
 
 // A character and the handles that it is baked with.
 struct BakeSubject {
   bake::RawCharacter raw;
-  std::vector<bake::HandleSpec> handles;
+  Vector<bake::HandleSpec> handles;
 };
 
 BakeSubject Made(const CharacterSize& size) {
@@ -95,7 +95,7 @@ void WeightsUnbounded(benchmark::State& state, const BakeSubject& subject) {
   const WeightsProblem problem = MakeProblem(subject);
   const Eigen::Index num_vertices = problem.mesh.num_vertices();
   const auto num_handles = static_cast<Eigen::Index>(problem.handle_vertices.size());
-  std::vector<Eigen::Triplet<double>> kept;
+  Vector<Eigen::Triplet<double>> kept;
   Eigen::Index row = 0;
   for (int v = 0; v < num_vertices; ++v) {
     const auto& handles = problem.handle_vertices;
@@ -125,7 +125,7 @@ void WeightsUnbounded(benchmark::State& state, const BakeSubject& subject) {
 
 // From the imported mesh to the tables in memory, on all cores.
 void WholeBake(benchmark::State& state, const BakeSubject& subject) {
-  std::vector<bake::BakeTiming> timings;
+  Vector<bake::BakeTiming> timings;
   uint64_t tensor_bytes = 0;
   while (state.KeepRunning()) {
     const auto baked = bake::Bake(subject.raw, subject.handles, {}, {});

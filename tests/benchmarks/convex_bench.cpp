@@ -1,6 +1,7 @@
 // The convex step (eq. 20) alone, along the path of solve_bench.cpp at the size of the paper's
 // `face`: ours, and Ipopt on the transforms and the blend weights both, on the same frames.
 #include "benchmarks/bench_character.h"
+#include "core/vector.h"
 #include "runtime/convex_oracle/full_problem.h"
 #include "runtime/convex_oracle/ipopt_solver.h"
 
@@ -57,13 +58,13 @@ class Walk {
   }
 
   std::shared_ptr<const Rig> rig_;
-  std::vector<std::vector<Vec3>> path_;
+  Vector<Vector<Vec3>> path_;
   std::shared_ptr<const PoseModel> model_;
   std::unique_ptr<Alternation<3>> alternation_;
   size_t frame_ = 0;
 };
 
-double Median(std::vector<double> values) {
+double Median(Vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -71,7 +72,7 @@ double Median(std::vector<double> values) {
 
 // What Ipopt finds on every kIpoptStride-th frame; made once, both benchmarks compare with it.
 struct Comparison {
-  std::vector<double> seconds, objective, ours;  // a frame each
+  Vector<double> seconds, objective, ours;  // a frame each
   double iterations = 0;
   bool converged = true;
 
@@ -120,7 +121,7 @@ const Comparison& CompareWithIpopt(oracle::TransformUnknowns unknowns) {
 // Rows of A, columns of Q and the active set, from the last frame's blend weights; D and R given.
 void ConvexStep(benchmark::State& state) {
   Walk walk;
-  std::vector<double> seconds, objective;
+  Vector<double> seconds, objective;
   double faces = 0;
   for (auto _ : state) {
     walk.Step();

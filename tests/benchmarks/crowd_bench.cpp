@@ -1,12 +1,12 @@
 // What an engine pays through limber.h: crowds on one core and two, and the interface itself.
 #include "benchmarks/bench_character.h"
 #include "capi/context.h"
+#include "core/vector.h"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
-#include <vector>
 
 namespace limber::bench {
 namespace {
@@ -49,7 +49,7 @@ class Crowd {
 
   void SetTargets(size_t frame) {
     for (size_t i = 0; i < instances_.size(); ++i) {
-      const std::vector<Vec3>& targets = path_[(frame + 37 * i) % path_.size()];
+      const Vector<Vec3>& targets = path_[(frame + 37 * i) % path_.size()];
       for (size_t h = 0; h < targets.size(); ++h) {
         const float position[] = {targets[h].x, targets[h].y, targets[h].z};
         if (pinned_[h])
@@ -66,13 +66,13 @@ class Crowd {
   // As an engine does that has one character.
   void SolveFirst() { ExitUnlessSuccess(limberSolve(context_, instances_[0], nullptr, nullptr)); }
 
-  const std::vector<std::vector<Vec3>>& path() const { return path_; }
+  const Vector<Vector<Vec3>>& path() const { return path_; }
 
  private:
   LimberContext* context_ = nullptr;
-  std::vector<LimberInstanceId> instances_;
-  std::vector<std::vector<Vec3>> path_;
-  std::vector<bool> pinned_;
+  Vector<LimberInstanceId> instances_;
+  Vector<Vector<Vec3>> path_;
+  Vector<bool> pinned_;
 };
 
 // One frame of a crowd: targets in, all solved.
@@ -94,7 +94,7 @@ void UpdateOverhead(benchmark::State& state, const CharacterSize& size) {
   Crowd crowd(size, 1, 1);
   auto pose = PoseState::Create(BakedCharacter(size));
   ExitUnless(pose.status());
-  std::vector<double> whole, alone;
+  Vector<double> whole, alone;
   size_t frame = 0;
   for (auto _ : state) {
     const auto begin = Clock::now();
@@ -109,7 +109,7 @@ void UpdateOverhead(benchmark::State& state, const CharacterSize& size) {
     alone.push_back(std::chrono::duration<double>(end - solve).count());
     ++frame;
   }
-  const auto median = [](std::vector<double>* times) {
+  const auto median = [](Vector<double>* times) {
     const auto at = times->begin() + static_cast<ptrdiff_t>(times->size() / 2);
     std::nth_element(times->begin(), at, times->end());
     return 1e6 * *at;

@@ -1,6 +1,7 @@
 // How an alternation's time and memory grow with handles (H), example shapes (S) and edge groups
 // (G); growth.sh draws it.
 #include "benchmarks/bench_character.h"
+#include "core/vector.h"
 #include "solve/pose_model.h"
 
 #include <benchmark/benchmark.h>
@@ -32,7 +33,7 @@ double HeldBytes() {
 struct Subject {
   CharacterSize size;
   std::shared_ptr<const PoseModel> model;
-  std::vector<std::vector<Vec3>> path;
+  Vector<Vector<Vec3>> path;
 };
 
 const Subject& SubjectOf(const CharacterSize& size) {

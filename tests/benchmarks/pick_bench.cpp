@@ -1,5 +1,6 @@
 // Picking on a deformed character of 24 thousand vertices.
 #include "benchmarks/bench_character.h"
+#include "core/vector.h"
 #include "pick/picker.h"
 #include "skin/cpu_skinner.h"
 
@@ -11,13 +12,13 @@ namespace limber::bench {
 namespace {
 
 // The surface at a few places along the path, one after the other.
-std::vector<std::vector<Vec3>> DeformedSurfaces(const std::shared_ptr<const Rig>& rig) {
+Vector<Vector<Vec3>> DeformedSurfaces(const std::shared_ptr<const Rig>& rig) {
   auto pose = PoseState::Create(rig);
   ExitUnless(pose.status());
   auto skinner = CpuSkinner::Create(rig->mesh(), rig->tables().space);
   ExitUnless(skinner.status());
-  std::vector<std::vector<Vec3>> surfaces;
-  for (const std::vector<Vec3>& targets : DragPath(*rig, 16)) {
+  Vector<Vector<Vec3>> surfaces;
+  for (const Vector<Vec3>& targets : DragPath(*rig, 16)) {
     ExitUnless(SetTargets(targets, &*pose));
     ExitUnless(pose->Solve({}, nullptr));
     ExitUnless(skinner->SkinPositionsOnly(pose->transforms()));
@@ -47,7 +48,7 @@ void Ray(benchmark::State& state) {
   ExitUnless(picker.status());
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
-  std::vector<PickRay> rays(1024);
+  Vector<PickRay> rays(1024);
   for (PickRay& ray : rays) {
     const Vec3 centre = surface[random() % surface.size()];
     for (int axis = 0; axis < 3; ++axis) {

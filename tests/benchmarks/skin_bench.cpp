@@ -4,6 +4,7 @@
 // handles; the baked ones are what a bake gives these handles, bounded biharmonic weights.
 #include "bake/skinning_weights.h"
 #include "benchmarks/bench_character.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "skin/cpu_skinner.h"
@@ -46,18 +47,18 @@ class PosedCharacter {
 enum class Weights { kBaked, kDense, kFourInfluences };
 
 // [V][H]; takes seconds, once.
-const std::vector<float>& BakedWeights(const Rig& rig) {
-  static const std::vector<float> baked = [&] {
+const Vector<float>& BakedWeights(const Rig& rig) {
+  static const Vector<float> baked = [&] {
     const bake::RawCharacter raw = MakeRawCharacter(kSize);
     geometry::SolveMesh mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 0);
     geometry::ConnectComponents(&mesh);
-    std::vector<int> handle_vertices;
+    Vector<int> handle_vertices;
     for (const RigHandle& handle : rig.tables().handles)
       handle_vertices.push_back(static_cast<int>(handle.vertex));
     bake::WeightsReport report;
     const auto weights = bake::BoundedBiharmonicWeights(mesh, handle_vertices, 0, {}, &report);
     ExitUnless(weights.status());
-    std::vector<float> rows;
+    Vector<float> rows;
     for (const auto& row : weights->rowwise()) {
       for (const double weight : row)
         rows.push_back(static_cast<float>(weight));
@@ -75,7 +76,7 @@ SkinMesh WithWeights(const Rig& rig, Weights kind) {
     return mesh;
   }
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
-  std::vector<float> sorted(num_handles);
+  Vector<float> sorted(num_handles);
   for (size_t v = 0; v < mesh.num_solve_vertices; ++v) {
     float* weights = mesh.weights.data() + v * num_handles;
     std::copy_n(weights, num_handles, sorted.begin());
@@ -94,20 +95,20 @@ SkinMesh WithWeights(const Rig& rig, Weights kind) {
 
 // A face: the first shape and fifty expressions, each of which swells a twentieth of the mesh.
 // `matrices`: the character's, changed for those shapes, all expressions a little there.
-void GiveExpressions(SkinMesh* mesh, std::vector<float>* matrices) {
+void GiveExpressions(SkinMesh* mesh, Vector<float>* matrices) {
   constexpr size_t kExpressions = 50;
   const size_t num_vertices = mesh->num_solve_vertices;
-  const std::vector<Vec3> rest(mesh->shape_positions.begin(),
-                               mesh->shape_positions.begin() + mesh->num_solve_vertices);
+  const Vector<Vec3> rest(mesh->shape_positions.begin(),
+                          mesh->shape_positions.begin() + mesh->num_solve_vertices);
   mesh->shape_positions = rest;
   for (size_t s = 0; s < kExpressions; ++s) {
     const Vec3 centre = rest[s * num_vertices / kExpressions];
-    std::vector<float> squared(num_vertices);
+    Vector<float> squared(num_vertices);
     for (size_t v = 0; v < num_vertices; ++v) {
       const float x = rest[v].x - centre.x, y = rest[v].y - centre.y, z = rest[v].z - centre.z;
       squared[v] = x * x + y * y + z * z;
     }
-    std::vector<float> sorted = squared;
+    Vector<float> sorted = squared;
     const auto edge = sorted.begin() + static_cast<std::ptrdiff_t>(num_vertices / 20);
     std::nth_element(sorted.begin(), edge, sorted.end());
     for (size_t v = 0; v < num_vertices; ++v) {
@@ -115,7 +116,7 @@ void GiveExpressions(SkinMesh* mesh, std::vector<float>* matrices) {
       mesh->shape_positions.push_back({swell * rest[v].x, swell * rest[v].y, swell * rest[v].z});
     }
   }
-  std::vector<float> given;
+  Vector<float> given;
   const auto num_shapes = static_cast<size_t>(mesh->num_shapes);
   for (size_t h = 0; h < static_cast<size_t>(mesh->num_handles); ++h) {
     float sum[12] = {};
@@ -140,7 +141,7 @@ void CountVertices(const SkinMesh& mesh, benchmark::State* state) {
 }
 
 // Eq. 6 as anybody would write it, in single precision.
-void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, std::vector<Vec3>* out) {
+void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, Vector<Vec3>* out) {
   const auto num_handles = static_cast<size_t>(mesh.num_handles);
   const auto num_shapes = static_cast<size_t>(mesh.num_shapes);
   const size_t num_vertices = mesh.num_solve_vertices;
@@ -163,7 +164,7 @@ void SkinPlainly(const SkinMesh& mesh, const SkinTransforms& transforms, std::ve
 void SkinScalar(benchmark::State& state) {
   const PosedCharacter character;
   const SkinMesh mesh = WithWeights(character.rig(), Weights::kDense);
-  std::vector<Vec3> positions(mesh.num_solve_vertices);
+  Vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
     SkinPlainly(mesh, character.transforms(), &positions);
     benchmark::DoNotOptimize(positions.data());
@@ -177,17 +178,17 @@ void SkinCpu(benchmark::State& state, Weights weights, bool expressions,
   const PosedCharacter character;
   SkinMesh mesh = WithWeights(character.rig(), weights);
   SkinTransforms transforms = character.transforms();
-  std::vector<float> matrices(transforms.matrices.begin(), transforms.matrices.end());
+  Vector<float> matrices(transforms.matrices.begin(), transforms.matrices.end());
   if (expressions) GiveExpressions(&mesh, &matrices);
   transforms.matrices = matrices;
   const SkinLayout layout(mesh);
   SkinScratch scratch;
-  std::vector<Vec3> positions(mesh.num_solve_vertices);
+  Vector<Vec3> positions(mesh.num_solve_vertices);
   while (state.KeepRunning()) {
     ExitUnless(SkinPositionsWith(kernels, layout, transforms, &scratch, positions));
     benchmark::DoNotOptimize(positions.data());
   }
-  std::vector<Vec3> expected(positions.size());
+  Vector<Vec3> expected(positions.size());
   ExitUnless(SkinPositionsReference(mesh, transforms, expected));
   for (size_t v = 0; v < positions.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -220,7 +221,7 @@ void SkinCopy(benchmark::State& state) {
   const SkinMesh& mesh = rig->mesh();
   const size_t weight_bytes = mesh.weights.size() * sizeof(float);
   const size_t shape_bytes = mesh.shape_positions.size() * sizeof(Vec3);
-  std::vector<char> copy(weight_bytes + shape_bytes);
+  Vector<char> copy(weight_bytes + shape_bytes);
   while (state.KeepRunning()) {
     std::memcpy(copy.data(), mesh.weights.data(), weight_bytes);
     std::memcpy(copy.data() + weight_bytes, mesh.shape_positions.data(), shape_bytes);

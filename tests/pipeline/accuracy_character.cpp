@@ -3,6 +3,7 @@
 #include "bake/bake.h"
 #include "bake/resolve_handles.h"
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "import/import_gltf.h"
@@ -46,8 +47,8 @@ Result<std::shared_ptr<const Rig>> BakeAndLoad(const std::filesystem::path& sour
 
 std::filesystem::path PackHorse(const TemporaryFolder& folder, const std::string& name) {
   const std::filesystem::path data = SharedDataFolder() / "horse";
-  const std::vector<std::filesystem::path> poses = {data / "horse-01.obj", data / "horse-02.obj",
-                                                    data / "horse-03.obj", data / "horse-05.obj"};
+  const Vector<std::filesystem::path> poses = {data / "horse-01.obj", data / "horse-02.obj",
+                                               data / "horse-03.obj", data / "horse-05.obj"};
   std::filesystem::path packed = folder.path() / (name + ".glb");
   const Status status = bake::PackObj(data / "horse_ref.obj", poses, {}, packed);
   EXPECT_TRUE(status.ok()) << status.message();
@@ -103,14 +104,14 @@ Points AccuracyCharacter::Shape(int shape) const {
 }
 
 int AccuracyCharacter::FindShape(const std::string& name) const {
-  const std::vector<std::string>& names = rig_->tables().shape_names;
-  const auto found = std::find(names.begin(), names.end(), name);
+  const Vector<String>& names = rig_->tables().shape_names;
+  const auto found = std::find(names.begin(), names.end(), String(name));
   EXPECT_NE(found, names.end()) << "no shape named " << name;
   return found == names.end() ? 0 : static_cast<int>(found - names.begin());
 }
 
 Points AccuracyCharacter::Deformed() const {
-  std::vector<Vec3> positions(rig_->mesh().num_solve_vertices);
+  Vector<Vec3> positions(rig_->mesh().num_solve_vertices);
   EXPECT_TRUE(SkinPositionsReference(rig_->mesh(), state_->transforms(), positions).ok());
   Points points;
   for (const Vec3& position : positions)
@@ -120,7 +121,7 @@ Points AccuracyCharacter::Deformed() const {
 
 void AccuracyCharacter::DragTo(const Points& goal, int steps,
                                const std::function<void()>& after_frame) {
-  std::vector<Eigen::Vector3d> from;
+  Vector<Eigen::Vector3d> from;
   for (int h = 0; h < rig_->num_handles(); ++h)
     from.push_back(ToEigen(state_->target(h)));
   for (int step = 1; step <= steps; ++step) {

@@ -1,6 +1,7 @@
 // A real character from its source file through bake, file and loader, for tests of the whole.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "solve/pose_solver.h"
 #include "support/temporary_folder.h"
@@ -13,11 +14,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
-using Points = std::vector<Eigen::Vector3d>;  // [V] solve vertices, mesh space
+using Points = Vector<Eigen::Vector3d>;  // [V] solve vertices, mesh space
 
 // The horse's reference and its four poses, packed as NAME.glb in the folder. Fails the test on
 // error.
@@ -61,8 +61,8 @@ class AccuracyCharacter {
   std::shared_ptr<const Rig> rig_;
   std::optional<PoseState> state_;
   PoseOptions options_;
-  std::vector<std::pair<uint32_t, uint32_t>> edges_;
-  std::vector<double> edge_length_;  // longest over the examples
+  Vector<std::pair<uint32_t, uint32_t>> edges_;
+  Vector<double> edge_length_;  // longest over the examples
   Points last_;
   std::filesystem::path baked_file_;
   std::string frames_;  // JSON so far

@@ -1,5 +1,6 @@
 // How exactly examples come back on the real characters of the shared data, and drags of them
 // without a crack, a spike or a number that is not one. Each case is one bake.
+#include "core/vector.h"
 #include "pipeline/accuracy_character.h"
 
 #include <algorithm>
@@ -78,8 +79,8 @@ TEST(Accuracy, Human_RaisesItsArmsAndKicksAtOnce) {
 }
 
 // Through several examples' handle positions one after the other, and a little beyond.
-void PlayThroughExamples(AccuracyCharacter* character, const std::vector<int>& shapes,
-                         double longest, double jump) {
+void PlayThroughExamples(AccuracyCharacter* character, const Vector<int>& shapes, double longest,
+                         double jump) {
   for (int s : shapes) {
     Points goal = character->Shape(s);
     const Points rest = character->Shape(0);

@@ -2,6 +2,7 @@
 // right handle, under our energy and under those that the paper compares it with. The pictures of
 // the same drags are made by content/figures/make_figures.sh.
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "pipeline/single_shape_oracle.h"
 #include "runtime/solve/solved_character.h"
@@ -79,15 +80,15 @@ class FiguresTest : public testing::Test {
   }
 
   // From `from` to `to` in steps of `step`.
-  std::vector<Pose> Drag(double from, double to, double step, const PoseOptions& options) {
+  Vector<Pose> Drag(double from, double to, double step, const PoseOptions& options) {
     const auto steps = static_cast<int>(std::lround(std::abs(to - from) / step));
-    std::vector<Pose> poses;
+    Vector<Pose> poses;
     for (int i = 0; i <= steps; ++i)
       poses.push_back(PoseAt(from + (to - from) * i / steps, options));
     return poses;
   }
 
-  static double LargestStep(const std::vector<Pose>& poses) {
+  static double LargestStep(const Vector<Pose>& poses) {
     double largest = 0;
     for (size_t i = 1; i < poses.size(); ++i) {
       largest = std::max(largest, (poses[i].blend - poses[i - 1].blend).cwiseAbs().maxCoeff());
@@ -128,8 +129,8 @@ TEST_F(FiguresTest, EnergyInterpolation_IsTheSingleShapeOfLeastEnergy) {
     for (int i = 0; i < 24; ++i) {
       const double x = 0.65 + 0.1 * i;
       const Pose pose = PoseAt(x, EnergyInterpolation(rotations));
-      std::vector<test::SingleShapeOracle::Answer> answers;
-      std::vector<double> energies;
+      Vector<test::SingleShapeOracle::Answer> answers;
+      Vector<double> energies;
       for (int s = 0; s < 3; ++s) {
         answers.push_back(oracle.Solve(s, {static_cast<float>(x), 0, 0}));
         energies.push_back(answers.back().energy);
@@ -138,7 +139,7 @@ TEST_F(FiguresTest, EnergyInterpolation_IsTheSingleShapeOfLeastEnergy) {
       EXPECT_NEAR(pose.blend[best], 1, 1e-9) << "at " << x << ", shape " << best;
       const auto& nearest = answers[static_cast<size_t>(best)];
       EXPECT_NEAR(pose.elastic, std::sqrt(nearest.energy), 1e-4 * pose.elastic) << "at " << x;
-      const std::vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
+      const Vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
       double furthest = 0;
       for (Eigen::Index v = 0; v < nearest.q.rows(); ++v) {
         const Eigen::Vector2d at = q[static_cast<size_t>(v)].head<2>();
@@ -152,7 +153,7 @@ TEST_F(FiguresTest, EnergyInterpolation_IsTheSingleShapeOfLeastEnergy) {
 // However small the drag's step: one shape in full, then another.
 TEST_F(FiguresTest, EnergyInterpolation_JumpsFromShapeToShape) {
   for (const double step : {0.01, 0.002}) {
-    const std::vector<Pose> poses = Drag(1, 2.6, step, EnergyInterpolation(true));
+    const Vector<Pose> poses = Drag(1, 2.6, step, EnergyInterpolation(true));
     EXPECT_NEAR(LargestStep(poses), 1, 1e-6);
     for (const Pose& pose : poses)
       EXPECT_NEAR(pose.blend.maxCoeff(), 1, 1e-6) << "at " << pose.x;
@@ -195,8 +196,8 @@ TEST_F(FiguresTest, Ours_UsesEveryShapeAndHasNoHysteresis) {
   for (const auto& panel : panels) {
     const PoseOptions options = Ours(panel.lambda, panel.rotations);
     // Away from the round numbers, where two answers cost the same.
-    const std::vector<Pose> out = Drag(0.603, 3.003, 0.01, options);
-    std::vector<Pose> back = Drag(3.003, 0.603, 0.01, options);
+    const Vector<Pose> out = Drag(0.603, 3.003, 0.01, options);
+    Vector<Pose> back = Drag(3.003, 0.603, 0.01, options);
     std::reverse(back.begin(), back.end());
     for (size_t i = 0; i < out.size(); ++i) {
       EXPECT_LT((out[i].blend - back[i].blend).cwiseAbs().maxCoeff(), 1e-3)
@@ -212,7 +213,7 @@ TEST_F(FiguresTest, Ours_UsesEveryShapeAndHasNoHysteresis) {
 // Figure 8, bottom left.
 TEST_F(FiguresTest, SmallLambda_IsPiecewiseLinearAndContinuous) {
   for (const double step : {0.01, 0.001}) {
-    const std::vector<Pose> poses = Drag(1, 2.4, step, Ours(0.01f, false));
+    const Vector<Pose> poses = Drag(1, 2.4, step, Ours(0.01f, false));
     for (const Pose& pose : poses) {
       EXPECT_LT((pose.blend - PiecewiseLinear(pose.x)).cwiseAbs().maxCoeff(), 0.005)
           << "at " << pose.x;
@@ -236,7 +237,7 @@ TEST_F(FiguresTest, LargeLambda_IsNearlyPiecewiseConstant) {
 TEST_F(FiguresTest, Ours_MovesByNoMoreThanAQuarterAtOnce) {
   for (const bool rotations : {false, true}) {
     state_->ResetToRest();
-    const std::vector<Pose> poses = Drag(1, 2.6, 0.01, Ours(0.5f, rotations));
+    const Vector<Pose> poses = Drag(1, 2.6, 0.01, Ours(0.5f, rotations));
     EXPECT_LT(LargestStep(poses), 0.26) << "rotations " << rotations;
     for (const Pose& pose : poses) {
       if (std::abs(pose.x - 1.3) > 0.15 && std::abs(pose.x - 2) > 0.2) continue;

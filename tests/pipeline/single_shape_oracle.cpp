@@ -2,6 +2,7 @@
 
 #include "bake/edge_groups.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "deform/example_arap/full_energy.h"
 #include "geometry/weld.h"
 
@@ -31,9 +32,9 @@ SingleShapeOracle::SingleShapeOracle(const bake::RawCharacter& raw, const Rig& r
   tensors_ = deform::BuildPaperTensors(shapes_, weights_, edges_, num_groups_);
 }
 
-std::vector<Eigen::MatrixXd> SingleShapeOracle::FitRotations(const Eigen::MatrixXd& q) const {
-  std::vector<Eigen::Matrix2d> fits(static_cast<size_t>(num_groups_) * shapes_.size(),
-                                    Eigen::Matrix2d::Zero());
+Vector<Eigen::MatrixXd> SingleShapeOracle::FitRotations(const Eigen::MatrixXd& q) const {
+  Vector<Eigen::Matrix2d> fits(static_cast<size_t>(num_groups_) * shapes_.size(),
+                               Eigen::Matrix2d::Zero());
   for (const geometry::GroupEdge& edge : edges_) {
     const Eigen::RowVector2d to = q.row(edge.j) - q.row(edge.i);
     for (size_t s = 0; s < shapes_.size(); ++s) {
@@ -42,7 +43,7 @@ std::vector<Eigen::MatrixXd> SingleShapeOracle::FitRotations(const Eigen::Matrix
           edge.weight * from.transpose() * to;
     }
   }
-  std::vector<Eigen::MatrixXd> rotations;
+  Vector<Eigen::MatrixXd> rotations;
   rotations.reserve(fits.size());
   for (const Eigen::Matrix2d& fit : fits)
     rotations.emplace_back(FitRotation<2>(fit));

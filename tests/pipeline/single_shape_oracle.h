@@ -2,14 +2,13 @@
 // energy interpolation (eq. 2) is checked against.
 #pragma once
 
+#include "core/vector.h"
 #include "deform/example_arap/paper_tensors.h"
 #include "geometry/solve_mesh.h"
 #include "import/raw_character.h"
 #include "rig/rig.h"
 
 #include <Eigen/Core>
-
-#include <vector>
 
 namespace limber::test {
 
@@ -29,15 +28,15 @@ class SingleShapeOracle {
   Answer Solve(int shape, Vec3 right) const;
 
  private:
-  std::vector<Eigen::MatrixXd> FitRotations(const Eigen::MatrixXd& q) const;  // of all blocks
+  Vector<Eigen::MatrixXd> FitRotations(const Eigen::MatrixXd& q) const;  // of all blocks
 
   bool rotations_;
   int num_groups_ = 0;
-  std::vector<Eigen::MatrixXd> shapes_;  // S of V x 2
-  Eigen::MatrixXd weights_;              // V x H
-  std::vector<geometry::GroupEdge> edges_;
+  Vector<Eigen::MatrixXd> shapes_;  // S of V x 2
+  Eigen::MatrixXd weights_;         // V x H
+  Vector<geometry::GroupEdge> edges_;
   deform::PaperTensors tensors_;
-  std::vector<int> pinned_;
+  Vector<int> pinned_;
 };
 
 }  // namespace limber::test

@@ -1,4 +1,5 @@
 // Even motion of the targets gives even motion of a real character, and rest gives rest.
+#include "core/vector.h"
 #include "pipeline/accuracy_character.h"
 
 #include <algorithm>
@@ -46,9 +47,9 @@ class Motion {
 
 // Drags from where the character is to `shape` and leaves it there until it rests.
 void ExpectSmoothDrag(AccuracyCharacter* character, int shape) {
-  const std::string& name = character->rig().tables().shape_names[static_cast<size_t>(shape)];
+  const String& name = character->rig().tables().shape_names[static_cast<size_t>(shape)];
   Motion motion(*character);
-  std::vector<double> motions;
+  Vector<double> motions;
   character->DragTo(character->Shape(shape), kSteps, [&] { motions.push_back(motion.Next()); });
   const auto worst = std::max_element(motions.begin(), motions.end());
   const auto worst_frame = static_cast<int>(worst - motions.begin()) + 1;

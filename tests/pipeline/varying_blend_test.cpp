@@ -1,6 +1,7 @@
 // Figure 7 of the paper as a statement about numbers: two parts of a shipped character, each asked
 // for an example of its own, get it when blend weights vary over the character, and do not when one
 // blend has to do for all.
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
@@ -25,14 +26,14 @@ class VaryingBlendTest : public testing::Test {
   }
 
   int FindShape(const std::string& name) const {
-    const std::vector<std::string>& names = rig_->tables().shape_names;
-    const auto found = std::find(names.begin(), names.end(), name);
+    const Vector<String>& names = rig_->tables().shape_names;
+    const auto found = std::find(names.begin(), names.end(), String(name));
     EXPECT_NE(found, names.end()) << name;
     return static_cast<int>(found - names.begin());
   }
 
   // From rest: the handle goes to where the example has it, in even steps, while others rest.
-  void Drag(const std::vector<std::pair<std::string, int>>& handle_and_shape,
+  void Drag(const Vector<std::pair<std::string, int>>& handle_and_shape,
             const PoseOptions& options) {
     state_->ResetToRest();
     constexpr int kSteps = 8;
@@ -54,7 +55,7 @@ class VaryingBlendTest : public testing::Test {
   double DistanceNear(const std::string& handle_name, int shape) const {
     const SkinMesh& mesh = rig_->mesh();
     const auto handle = static_cast<size_t>(rig_->FindHandle(handle_name));
-    const std::vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
+    const Vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
     double sum = 0;
     int count = 0;
     for (uint32_t v = 0; v < mesh.num_solve_vertices; ++v) {
@@ -72,7 +73,7 @@ class VaryingBlendTest : public testing::Test {
 
 TEST_F(VaryingBlendTest, HeadAndTail_TakeTwoExamplesAtOnce) {
   const int curl = FindShape("curl"), stretch = FindShape("stretch"), bend = FindShape("bend_left");
-  using Choice = std::vector<std::pair<std::string, int>>;
+  using Choice = Vector<std::pair<std::string, int>>;
   for (const Choice& choice :
        {Choice{{"head", stretch}, {"tail_tip", curl}},
         Choice{{"head", bend}, {"hand_left", bend}, {"hand_right", bend}, {"tail_tip", curl}}}) {

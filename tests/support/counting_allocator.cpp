@@ -8,6 +8,7 @@ namespace {
 
 thread_local int64_t allocation_count = 0;
 thread_local int64_t allocated_bytes = 0;
+thread_local int64_t freed_count = 0;
 
 void Count(std::size_t size) {
   ++allocation_count;
@@ -25,6 +26,18 @@ int64_t AllocatedBytes() {
   return allocated_bytes;
 }
 
+int64_t LiveAllocations() {
+  return allocation_count - freed_count;
+}
+
+NotCounted::NotCounted() : count_(allocation_count), bytes_(allocated_bytes), freed_(freed_count) {}
+
+NotCounted::~NotCounted() {
+  allocation_count = count_;
+  allocated_bytes = bytes_;
+  freed_count = freed_;
+}
+
 }  // namespace limber::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -40,6 +53,11 @@ void* CountedAllocate(std::size_t size, std::size_t alignment) {
           : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
+}
+
+void CountedFree(void* memory) {
+  if (memory != nullptr) ++freed_count;
+  std::free(memory);
 }
 
 }  // namespace
@@ -71,43 +89,43 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
 }
 
 void operator delete(void* memory, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete[](void* memory, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete(void* memory) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete[](void* memory) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete[](void* memory, std::align_val_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+  CountedFree(memory);
 }
 
 #else
@@ -118,6 +136,7 @@ void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
 
 void* malloc(std::size_t size) {
   Count(size);
@@ -131,7 +150,13 @@ void* calloc(std::size_t count, std::size_t size) {
 
 void* realloc(void* memory, std::size_t size) {
   Count(size);
+  if (memory != nullptr) ++freed_count;
   return __libc_realloc(memory, size);
+}
+
+void free(void* memory) {
+  if (memory != nullptr) ++freed_count;
+  __libc_free(memory);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) {

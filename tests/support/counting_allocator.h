@@ -12,4 +12,19 @@ int64_t AllocationCount();
 // Bytes asked for by those; what was freed since stays counted.
 int64_t AllocatedBytes();
 
+// Allocations of this thread less what it freed, of whichever thread.
+int64_t LiveAllocations();
+
+// While it lives, this thread is not counted: for what the test itself does meanwhile.
+class NotCounted {
+ public:
+  NotCounted();
+  NotCounted(const NotCounted&) = delete;
+  NotCounted& operator=(const NotCounted&) = delete;
+  ~NotCounted();
+
+ private:
+  int64_t count_, bytes_, freed_;
+};
+
 }  // namespace limber::test

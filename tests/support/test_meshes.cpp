@@ -1,5 +1,7 @@
 #include "support/test_meshes.h"
 
+#include "core/vector.h"
+
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -14,7 +16,7 @@ using Map = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
 // Fills everything of `raw` that follows from its first shape, triangles and the maps of the
 // others.
-void Finish(RawCharacter* raw, const std::vector<Map>& maps) {
+void Finish(RawCharacter* raw, const Vector<Map>& maps) {
   const PointMatrix rest = raw->shapes.at(0);
   for (const Map& map : maps) {
     PointMatrix shape(rest.rows(), 3);

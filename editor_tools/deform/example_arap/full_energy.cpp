@@ -1,9 +1,11 @@
 #include "deform/example_arap/full_energy.h"
 
+#include "core/vector.h"
+
 namespace limber::deform {
 
-double ElasticEnergy(const std::vector<Eigen::MatrixXd>& shapes,
-                     const std::vector<geometry::GroupEdge>& edges, const ExampleState& state) {
+double ElasticEnergy(const Vector<Eigen::MatrixXd>& shapes,
+                     const Vector<geometry::GroupEdge>& edges, const ExampleState& state) {
   double energy = 0;
   for (const geometry::GroupEdge& edge : edges) {
     Eigen::RowVectorXd difference = state.q.row(edge.j) - state.q.row(edge.i);
@@ -17,7 +19,7 @@ double ElasticEnergy(const std::vector<Eigen::MatrixXd>& shapes,
   return energy;
 }
 
-double GroupEnergy(const Eigen::MatrixXd& shape, const std::vector<geometry::GroupEdge>& edges,
+double GroupEnergy(const Eigen::MatrixXd& shape, const Vector<geometry::GroupEdge>& edges,
                    int group, const Eigen::MatrixXd& q, const Eigen::MatrixXd& rotation) {
   double energy = 0;
   for (const geometry::GroupEdge& edge : edges) {

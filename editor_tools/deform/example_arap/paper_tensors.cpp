@@ -1,11 +1,13 @@
 #include "deform/example_arap/paper_tensors.h"
 
+#include "core/vector.h"
+
 #include <Eigen/QR>
 
 namespace limber::deform {
 
-double PaperTensors::Energy(const Eigen::MatrixXd& transforms, const std::vector<double>& blend,
-                            const std::vector<Eigen::MatrixXd>& rotations) const {
+double PaperTensors::Energy(const Eigen::MatrixXd& transforms, const Vector<double>& blend,
+                            const Vector<Eigen::MatrixXd>& rotations) const {
   double energy = 0.5 * (transforms.transpose() * l * transforms).trace();
   const auto shapes = static_cast<size_t>(num_shapes);
   for (size_t block = 0; block < load.size(); ++block) {
@@ -20,10 +22,9 @@ double PaperTensors::Energy(const Eigen::MatrixXd& transforms, const std::vector
   return energy;
 }
 
-Eigen::MatrixXd PaperTensors::Minimise(const std::vector<int>& vertices,
-                                       const Eigen::MatrixXd& targets,
-                                       const std::vector<double>& blend,
-                                       const std::vector<Eigen::MatrixXd>& rotations) const {
+Eigen::MatrixXd PaperTensors::Minimise(const Vector<int>& vertices, const Eigen::MatrixXd& targets,
+                                       const Vector<double>& blend,
+                                       const Vector<Eigen::MatrixXd>& rotations) const {
   const Eigen::Index n = l.rows(), c = targets.rows();
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n + c, n + c);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n + c, k);
@@ -40,9 +41,9 @@ Eigen::MatrixXd PaperTensors::Minimise(const std::vector<int>& vertices,
   return solver.solve(right).topRows(n);
 }
 
-PaperTensors BuildPaperTensors(const std::vector<Eigen::MatrixXd>& shapes,
+PaperTensors BuildPaperTensors(const Vector<Eigen::MatrixXd>& shapes,
                                const Eigen::MatrixXd& weights,
-                               const std::vector<geometry::GroupEdge>& edges, int num_groups) {
+                               const Vector<geometry::GroupEdge>& edges, int num_groups) {
   PaperTensors tensors;
   const auto num_shapes = static_cast<Eigen::Index>(shapes.size());
   const Eigen::Index k = shapes.front().cols(), num_vertices = weights.rows();

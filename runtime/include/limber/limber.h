@@ -103,6 +103,15 @@ typedef void (*LimberTask)(void* data, uint32_t index);
  * any threads, and returns when all are done. It must not throw. */
 typedef void (*LimberRunTasksFunction)(void* user, LimberTask task, void* data, uint32_t count);
 
+/* The host's allocator of memory: that many bytes at a multiple of `alignment`, a power of two;
+ * null where there is none, which fails the call with LIMBER_ERROR_OUT_OF_MEMORY and loses nothing.
+ * Any thread that calls into the context calls it, several at once, never in a steady frame.
+ * Neither function may throw, nor call Limber. */
+typedef void* (*LimberAllocateFunction)(void* user, size_t size, size_t alignment);
+
+/* Takes back what the other gave, with the same size and alignment; never null. */
+typedef void (*LimberFreeFunction)(void* user, void* memory, size_t size, size_t alignment);
+
 /* Every Def: begin with its limberDefault...Def(), then change what is to differ. */
 typedef struct LimberContextDef {
   uint32_t cookie, struct_size; /* set by limberDefaultContextDef; leave them */
@@ -112,15 +121,22 @@ typedef struct LimberContextDef {
   LimberRunTasksFunction run_tasks; /* null: the context has threads of its own, made for the first
                                        limber...Many */
   void* tasks_user;
-  int32_t num_threads; /* of its own, the caller's being one of them; 0: one per core */
+  int32_t num_threads;             /* of its own, the caller's being one of them; 0: one per core */
+  LimberAllocateFunction allocate; /* all that the context, its rigs and instances keep comes from
+                                      here; null: from the heap, where also goes what is gone by the
+                                      end of a call (a file's text while it is read, an error's
+                                      line) and what a thread or a device driver makes for itself */
+  LimberFreeFunction free;         /* null only with allocate */
+  void* memory_user;
 } LimberContextDef;
 
 /* With the caller's header version in it, hence a macro's work as well as a function's. */
 LIMBER_API LimberContextDef limberDefaultContextDefOfVersion(uint32_t header_version);
 #define limberDefaultContextDef() limberDefaultContextDefOfVersion(LIMBER_VERSION)
 
-/* The caller owns the context and destroys it. Any thread. Errors: INVALID_ARGUMENT,
- * STRUCT_NOT_DEFAULT, VERSION_MISMATCH (a header of another major version), OUT_OF_MEMORY. */
+/* The caller owns the context and destroys it. Any thread. Errors: INVALID_ARGUMENT (also an
+ * allocator of one function, or one whose memory is not aligned), STRUCT_NOT_DEFAULT,
+ * VERSION_MISMATCH (a header of another major version), OUT_OF_MEMORY. */
 LIMBER_API LimberResult limberCreateContext(const LimberContextDef* def, LimberContext** context);
 
 /* With all its rigs and instances. Null is fine. No other call may run, and the context is gone for

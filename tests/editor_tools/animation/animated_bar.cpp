@@ -1,5 +1,6 @@
 #include "editor_tools/animation/animated_bar.h"
 
+#include "core/vector.h"
 #include "import/file_output.h"
 
 #include <algorithm>
@@ -26,13 +27,13 @@ Json Description(int component_type, size_t num_numbers, const std::string& type
           {"type", type}};
 }
 
-void Append(const Eigen::Vector3d& v, std::vector<float>* numbers) {
+void Append(const Eigen::Vector3d& v, Vector<float>* numbers) {
   for (int axis = 0; axis < 3; ++axis)
     numbers->push_back(static_cast<float>(v[axis]));
 }
 
-std::vector<uint16_t> BarTriangles() {
-  std::vector<uint16_t> triangles;
+Vector<uint16_t> BarTriangles() {
+  Vector<uint16_t> triangles;
   for (int ring = 0; ring + 1 < kNumRings; ++ring) {
     for (int side = 0; side < 4; ++side) {
       const int a = 4 * ring + side, b = 4 * ring + (side + 1) % 4;
@@ -45,8 +46,8 @@ std::vector<uint16_t> BarTriangles() {
 
 // Joints and weights, in one set or spread over two.
 void AddInfluences(const BarOptions& options, GltfParts* parts, Json* attributes) {
-  std::vector<uint16_t> joints[2];
-  std::vector<float> weights[2];
+  Vector<uint16_t> joints[2];
+  Vector<float> weights[2];
   for (const Eigen::Vector3d& p : BarPositions()) {
     const auto middle = static_cast<float>(MiddleWeight(p)) * options.weight_sum;
     const float root = options.weight_sum - middle;
@@ -71,7 +72,7 @@ void AddInfluences(const BarOptions& options, GltfParts* parts, Json* attributes
 Json BarTargets(const BarOptions& options, GltfParts* parts) {
   Json targets = Json::array();
   for (const int axis : {0, 2}) {
-    std::vector<float> offsets;
+    Vector<float> offsets;
     for (const Eigen::Vector3d& p : BarPositions()) {
       Eigen::Vector3d offset = Eigen::Vector3d::Zero();
       offset[axis] = 0.5 * p[axis];
@@ -91,7 +92,7 @@ Eigen::Affine3d ArmatureTransform() {
 }
 
 size_t AddInverseBind(const BarOptions& options, GltfParts* parts) {
-  std::vector<float> numbers;
+  Vector<float> numbers;
   for (const double height : {0.0, 1.0}) {
     Eigen::Affine3d joint = Eigen::Affine3d::Identity();
     joint.translate(Eigen::Vector3d(0, height, 0));
@@ -115,7 +116,7 @@ size_t GltfParts::Add(const void* data, size_t num_bytes, Json accessor) {
   return json["accessors"].size() - 1;
 }
 
-size_t GltfParts::AddFloats(const std::vector<float>& numbers, const std::string& type) {
+size_t GltfParts::AddFloats(const Vector<float>& numbers, const std::string& type) {
   Json accessor = Description(5126, numbers.size(), type);
   // Animation inputs need their bounds; they do no harm to other scalars.
   if (type == "SCALAR") {
@@ -125,9 +126,9 @@ size_t GltfParts::AddFloats(const std::vector<float>& numbers, const std::string
   return Add(numbers.data(), 4 * numbers.size(), std::move(accessor));
 }
 
-size_t GltfParts::AddPositions(const std::vector<float>& numbers) {
+size_t GltfParts::AddPositions(const Vector<float>& numbers) {
   Json accessor = Description(5126, numbers.size(), "VEC3");
-  std::vector<float> low(numbers.begin(), numbers.begin() + 3), high = low;
+  Vector<float> low(numbers.begin(), numbers.begin() + 3), high = low;
   for (size_t i = 0; i < numbers.size(); ++i) {
     low[i % 3] = std::min(low[i % 3], numbers[i]);
     high[i % 3] = std::max(high[i % 3], numbers[i]);
@@ -137,34 +138,33 @@ size_t GltfParts::AddPositions(const std::vector<float>& numbers) {
   return Add(numbers.data(), 4 * numbers.size(), std::move(accessor));
 }
 
-size_t GltfParts::AddShorts(const std::vector<uint16_t>& numbers, const std::string& type) {
+size_t GltfParts::AddShorts(const Vector<uint16_t>& numbers, const std::string& type) {
   return Add(numbers.data(), 2 * numbers.size(), Description(5123, numbers.size(), type));
 }
 
-size_t GltfParts::AddNormalisedShorts(const std::vector<int16_t>& numbers,
-                                      const std::string& type) {
+size_t GltfParts::AddNormalisedShorts(const Vector<int16_t>& numbers, const std::string& type) {
   Json accessor = Description(5122, numbers.size(), type);
   accessor["normalized"] = true;
   return Add(numbers.data(), 2 * numbers.size(), std::move(accessor));
 }
 
-std::vector<uint8_t> GltfParts::Glb() const {
+Vector<uint8_t> GltfParts::Glb() const {
   Json whole = json;
   whole["buffers"] = Json::array({{{"byteLength", (bin.size() + 3) / 4 * 4}}});
   return bake::AssembleGlb(whole.dump(), bin).value();
 }
 
 void GltfParts::Write(const std::filesystem::path& file) const {
-  const std::vector<uint8_t> bytes = Glb();
+  const Vector<uint8_t> bytes = Glb();
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
 }
 
-std::vector<Eigen::Vector3d> BarPositions() {
+Vector<Eigen::Vector3d> BarPositions() {
   constexpr std::array<std::array<double, 2>, 4> kRing = {
       {{0.2, 0.1}, {0.2, -0.1}, {-0.2, -0.1}, {-0.2, 0.1}}};
-  std::vector<Eigen::Vector3d> positions;
+  Vector<Eigen::Vector3d> positions;
   for (int ring = 0; ring < kNumRings; ++ring) {
     for (const auto& [x, z] : kRing)
       positions.emplace_back(x, 2.0 * ring / (kNumRings - 1), z);
@@ -177,7 +177,7 @@ double MiddleWeight(const Eigen::Vector3d& position) {
 }
 
 void AddChannel(GltfParts* parts, size_t animation, int node, const std::string& path,
-                const std::vector<float>& times, const std::vector<float>& values,
+                const Vector<float>& times, const Vector<float>& values,
                 const std::string& interpolation) {
   const std::string type = path == "rotation" ? "VEC4" : path == "weights" ? "SCALAR" : "VEC3";
   const size_t input = parts->AddFloats(times, "SCALAR");
@@ -196,7 +196,7 @@ GltfParts MakeAnimatedBar(const BarOptions& options) {
                 {"scenes", Json::array({{{"nodes", {0, 3}}}})},
                 {"bufferViews", Json::array()},
                 {"accessors", Json::array()}};
-  std::vector<float> positions, normals;
+  Vector<float> positions, normals;
   for (const Eigen::Vector3d& p : BarPositions()) {
     Append(options.to_mesh * p, &positions);
     Append((options.to_mesh.linear() * Eigen::Vector3d(p.x(), 0, p.z())).normalized(), &normals);

@@ -1,28 +1,29 @@
 // A bar with two joints and a clip, made in code: every pose of it is known in closed form.
 #pragma once
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
 // A glTF that grows accessor by accessor.
 struct GltfParts {
   nlohmann::ordered_json json;
-  std::vector<uint8_t> bin;
+  Vector<uint8_t> bin;
 
   // Each returns the index of the accessor. type: "SCALAR", "VEC3", ...
-  size_t AddFloats(const std::vector<float>& numbers, const std::string& type);
-  size_t AddPositions(const std::vector<float>& numbers);  // VEC3 with bounds
-  size_t AddShorts(const std::vector<uint16_t>& numbers, const std::string& type);
-  size_t AddNormalisedShorts(const std::vector<int16_t>& numbers, const std::string& type);
+  size_t AddFloats(const Vector<float>& numbers, const std::string& type);
+  size_t AddPositions(const Vector<float>& numbers);  // VEC3 with bounds
+  size_t AddShorts(const Vector<uint16_t>& numbers, const std::string& type);
+  size_t AddNormalisedShorts(const Vector<int16_t>& numbers, const std::string& type);
 
-  std::vector<uint8_t> Glb() const;
+  Vector<uint8_t> Glb() const;
   void Write(const std::filesystem::path& file) const;
 
  private:
@@ -48,12 +49,12 @@ inline constexpr double kBendAngle = 1.2;  // radians
 inline constexpr int kBarRootNode = 1, kBarMiddleNode = 2, kBarMeshNode = 3;
 
 // World position at bind of each vertex, and its share of the joint "middle".
-std::vector<Eigen::Vector3d> BarPositions();
+Vector<Eigen::Vector3d> BarPositions();
 double MiddleWeight(const Eigen::Vector3d& position);
 
 // Adds a channel with a sampler of its own to an animation; the path's values as they are.
 void AddChannel(GltfParts* parts, size_t animation, int node, const std::string& path,
-                const std::vector<float>& times, const std::vector<float>& values,
+                const Vector<float>& times, const Vector<float>& values,
                 const std::string& interpolation = "LINEAR");
 
 }  // namespace limber::test

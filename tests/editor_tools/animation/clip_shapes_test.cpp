@@ -1,6 +1,7 @@
 // Skinned shapes of a bar against closed forms, and against each other.
 #include "animation/clip_shapes.h"
 
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +61,7 @@ BarOptions TurnedOptions() {
 
 TEST(ClipShapes, BentJoint_IsTheBlendOfTwoRigidMotions) {
   const OpenBar bar(MakeAnimatedBar());
-  const std::vector<Eigen::Vector3d> rest = BarPositions();
+  const Vector<Eigen::Vector3d> rest = BarPositions();
   int num_blended = 0;
   for (const double time : {0.0, 0.25, 0.5, 1.0}) {
     const PosedPrimitive posed = bar.At(time);
@@ -129,12 +130,12 @@ TEST(ClipShapes, ScaledAndTurnedBind_GivesTheSameShapes) {
 TEST(ClipShapes, RestOutOfTheBindPose_IsMeasuredFromTheTopmostJoint) {
   GltfParts parts = MakeAnimatedBar();
   Json& attributes = parts.json["meshes"][0]["primitives"][0]["attributes"];
-  std::vector<uint16_t> joints;
+  Vector<uint16_t> joints;
   for (const Eigen::Vector3d& p : BarPositions())
     joints.insert(joints.end(), {1, static_cast<uint16_t>(MiddleWeight(p) > 0 ? 0 : 1), 1, 1});
   attributes["JOINTS_0"] = parts.AddShorts(joints, "VEC4");
   parts.json["skins"][0]["joints"] = {kBarMiddleNode, kBarRootNode};
-  std::vector<float> matrices(32, 0);
+  Vector<float> matrices(32, 0);
   for (size_t i = 0; i < 32; i += 16) {
     for (const size_t diagonal : {0, 5, 10, 15})
       matrices[i + diagonal] = 1;
@@ -166,7 +167,7 @@ TEST(ClipShapes, MorphTargets_AreAddedBeforeTheBones) {
   const OpenBar animated(parts);
   // At half time: "wide" by a half, so that x is 1.25 times as far out.
   const PointMatrix posed = animated.At(0.5).positions;
-  const std::vector<Eigen::Vector3d> rest = BarPositions();
+  const Vector<Eigen::Vector3d> rest = BarPositions();
   for (size_t v = 0; v < rest.size(); ++v) {
     const Eigen::Vector3d morphed(1.25 * rest[v].x(), rest[v].y(), rest[v].z());
     EXPECT_LT((posed.row(static_cast<Eigen::Index>(v)).transpose() -
@@ -181,7 +182,7 @@ TEST(ClipShapes, WeightsAtRest_AreTheNodesBeforeTheMeshs) {
   options.has_targets = true;
   GltfParts parts = BarWith(options);
   parts.json["meshes"][0]["weights"] = {1.0, 0.0};
-  const std::vector<Eigen::Vector3d> rest = BarPositions();
+  const Vector<Eigen::Vector3d> rest = BarPositions();
   EXPECT_NEAR(OpenBar(parts).At(0).positions(0, 0), 1.5 * rest[0].x(), kRounding);
   parts.json["nodes"][kBarMeshNode]["weights"] = {0.0, 1.0};
   const PointMatrix posed = OpenBar(parts).At(0).positions;
@@ -231,7 +232,7 @@ TEST(ClipDeforms, OnlyWhatMovesAJointOrAWeight_Counts) {
   options.has_targets = true;
   GltfParts parts = BarWith(options);
   parts.json["nodes"].push_back({{"name", "lamp"}});
-  const auto add_clip = [&parts](int node, const char* path, const std::vector<float>& values) {
+  const auto add_clip = [&parts](int node, const char* path, const Vector<float>& values) {
     parts.json["animations"].push_back(nlohmann::ordered_json::object());
     AddChannel(&parts, parts.json["animations"].size() - 1, node, path, {0, 1}, values);
   };
@@ -241,7 +242,7 @@ TEST(ClipDeforms, OnlyWhatMovesAJointOrAWeight_Counts) {
   add_clip(0, "translation", {0, 0, 0, 1, 1, 1});  // above the skeleton
   add_clip(kBarMeshNode, "weights", {0, 0, 0, 0.5f});
   const GltfFile file = GltfFile::Parse(parts.Glb(), "bar.glb").value();
-  const std::vector<bool> expected = {true, false, false, false, true, true};
+  const Vector<bool> expected = {true, false, false, false, true, true};
   for (size_t a = 0; a < expected.size(); ++a) {
     const auto clip = ReadAnimationClip(file, static_cast<int>(a));
     ASSERT_TRUE(clip.ok()) << clip.status().message();

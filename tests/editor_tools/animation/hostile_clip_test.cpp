@@ -1,5 +1,6 @@
 // Broken skins and animations: one line that says where and why, and no file.
 #include "animation/pack_clip.h"
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "support/temporary_folder.h"
 
@@ -20,7 +21,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 struct Spoiled {
   const char* what;
   std::function<void(GltfParts*)> spoil;
-  std::vector<std::string> words;  // that must stand in the message
+  Vector<std::string> words;  // that must stand in the message
 };
 
 Json& Primitive(GltfParts* parts) {
@@ -31,16 +32,16 @@ Json& Sampler(GltfParts* parts) {
   return parts->json["animations"][0]["samplers"][0];
 }
 
-std::vector<uint16_t> Joints(uint16_t joint) {
-  return std::vector<uint16_t>(4 * BarPositions().size(), joint);
+Vector<uint16_t> Joints(uint16_t joint) {
+  return Vector<uint16_t>(4 * BarPositions().size(), joint);
 }
 
-std::vector<float> Weights(float weight) {
-  return std::vector<float>(4 * BarPositions().size(), weight);
+Vector<float> Weights(float weight) {
+  return Vector<float>(4 * BarPositions().size(), weight);
 }
 
-std::vector<float> Matrices(size_t count, float scale) {
-  std::vector<float> numbers(16 * count, 0);
+Vector<float> Matrices(size_t count, float scale) {
+  Vector<float> numbers(16 * count, 0);
   for (size_t m = 0; m < count; ++m) {
     for (size_t i = 0; i < 4; ++i)
       numbers[16 * m + 5 * i] = i < 3 ? scale : 1;
@@ -48,7 +49,7 @@ std::vector<float> Matrices(size_t count, float scale) {
   return numbers;
 }
 
-std::vector<Spoiled> SpoiledSkins() {
+Vector<Spoiled> SpoiledSkins() {
   return {
       {"joint beyond the skin",
        [](GltfParts* p) {
@@ -118,7 +119,7 @@ std::vector<Spoiled> SpoiledSkins() {
        {"\"root\"", "inverse"}},
       {"projective matrix",
        [](GltfParts* p) {
-         std::vector<float> numbers = Matrices(2, 1);
+         Vector<float> numbers = Matrices(2, 1);
          numbers[3] = 1;
          p->json["skins"][0]["inverseBindMatrices"] = p->AddFloats(numbers, "MAT4");
        },
@@ -129,7 +130,7 @@ std::vector<Spoiled> SpoiledSkins() {
   };
 }
 
-std::vector<Spoiled> SpoiledClips() {
+Vector<Spoiled> SpoiledClips() {
   return {
       {"times that do not increase",
        [](GltfParts* p) {
@@ -155,9 +156,7 @@ std::vector<Spoiled> SpoiledClips() {
        [](GltfParts* p) { Sampler(p)["interpolation"] = "CUBICSPLINE"; },
        {"output", "2 elements", "6"}},
       {"values that are not numbers",
-       [](GltfParts* p) {
-         Sampler(p)["output"] = p->AddFloats(std::vector<float>(8, kNan), "VEC4");
-       },
+       [](GltfParts* p) { Sampler(p)["output"] = p->AddFloats(Vector<float>(8, kNan), "VEC4"); },
        {"output", "finite"}},
       {"values of another type",
        [](GltfParts* p) {
@@ -199,7 +198,7 @@ std::vector<Spoiled> SpoiledClips() {
       {"motion beyond all numbers",
        [](GltfParts* p) {
          for (const int node : {1, 2})
-           AddChannel(p, 0, node, "scale", {0, 1}, std::vector<float>(6, 3e38f));
+           AddChannel(p, 0, node, "scale", {0, 1}, Vector<float>(6, 3e38f));
        },
        {"\"Bend\"", "not finite"}},
       {"no animation", [](GltfParts* p) { p->json.erase("animations"); }, {"animations", "none"}},

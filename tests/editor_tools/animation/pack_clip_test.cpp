@@ -3,6 +3,7 @@
 
 #include "animation/clip_moments.h"
 #include "animation/clip_shapes.h"
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "load/gltf_mesh.h"
 #include "support/gltf_validator.h"
@@ -21,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kRounding = 2e-6;
 
-PackClipOptions AtTimes(std::vector<double> times) {
+PackClipOptions AtTimes(Vector<double> times) {
   PackClipOptions options;
   options.times = std::move(times);
   return options;
@@ -59,14 +60,14 @@ bake::PosedPrimitive ShapeOf(const GltfFile& file, int animation, double time) {
 
 TEST_F(PackClip, EachMoment_IsATargetThatHasTheSkinnedShape) {
   const bake::PackClipSummary summary = Pack(MakeAnimatedBar(), AtTimes({0, 0.1, 1}));
-  EXPECT_EQ(summary.shape_names, (std::vector<std::string>{"Bend@0", "Bend@0.1", "Bend@1"}));
+  EXPECT_EQ(summary.shape_names, (Vector<std::string>{"Bend@0", "Bend@0.1", "Bend@1"}));
   EXPECT_EQ(summary.node, "Bar");
   EXPECT_EQ(summary.clip_seconds, 1);
   const GltfFile source = Open("in.glb"), packed = Open("out.glb");
   const auto mesh = ReadMorphMesh(packed, 0);
   ASSERT_TRUE(mesh.ok()) << mesh.status().message();
   EXPECT_EQ(mesh->target_names, summary.shape_names);
-  const std::vector<double> times = {0, 0.1, 1};
+  const Vector<double> times = {0, 0.1, 1};
   for (size_t t = 0; t < times.size(); ++t) {
     const bake::PointMatrix expected = ShapeOf(source, 0, times[t]).positions;
     for (uint32_t v = 0; v < mesh->num_vertices(); ++v) {
@@ -138,7 +139,7 @@ TEST_F(PackClip, PackedAgain_KeepsTheFirstTargetsAndTheirNames) {
   ASSERT_TRUE(summary.ok()) << summary.status().message();
   EXPECT_EQ(summary->num_old_targets, 1u);
   const auto once = ReadMorphMesh(Open("out.glb"), 0), twice = ReadMorphMesh(Open("more.glb"), 0);
-  EXPECT_EQ(twice->target_names, (std::vector<std::string>{"Bend@0.5", "Bend@1"}));
+  EXPECT_EQ(twice->target_names, (Vector<std::string>{"Bend@0.5", "Bend@1"}));
   EXPECT_EQ(twice->targets[0], once->targets[0]);
   const auto same = bake::PackClip(Path("out.glb"), AtTimes({0.5}), Path("same.glb"));
   EXPECT_EQ(same.status().code(), StatusCode::kInvalidArgument);
@@ -216,10 +217,10 @@ AnimationClip ClipOfLength(double duration) {
 
 TEST(ClipMoments, SpreadOverALoop_LeavesOutItsEnd) {
   EXPECT_EQ(bake::SpreadMoments(ClipOfLength(2), 4, true).value(),
-            (std::vector<double>{0, 0.5, 1, 1.5}));
+            (Vector<double>{0, 0.5, 1, 1.5}));
   EXPECT_EQ(bake::SpreadMoments(ClipOfLength(2), 5, false).value(),
-            (std::vector<double>{0, 0.5, 1, 1.5, 2}));
-  EXPECT_EQ(bake::SpreadMoments(ClipOfLength(2), 1, false).value(), (std::vector<double>{0}));
+            (Vector<double>{0, 0.5, 1, 1.5, 2}));
+  EXPECT_EQ(bake::SpreadMoments(ClipOfLength(2), 1, false).value(), (Vector<double>{0}));
 }
 
 TEST(ClipMoments, SpreadMoments_AreEvenToAHundredthOfTheirDistanceAndHaveShortNames) {
@@ -246,15 +247,15 @@ TEST(ClipMoments, Names_AreAsShortAsTheTime) {
 TEST(ClipMoments, ImpossibleTimes_AreRefusedWithTheLength) {
   const AnimationClip clip = ClipOfLength(0.9583);
   const double kNan = std::nan("");
-  for (const std::vector<double>& times :
-       std::vector<std::vector<double>>{{}, {-0.1}, {kNan}, {HUGE_VAL}, {0.96}, {0.1, 0.2, 0.1}}) {
+  for (const Vector<double>& times :
+       Vector<Vector<double>>{{}, {-0.1}, {kNan}, {HUGE_VAL}, {0.96}, {0.1, 0.2, 0.1}}) {
     EXPECT_EQ(bake::CheckMoments(clip, times).status().code(), StatusCode::kInvalidArgument);
   }
-  EXPECT_NE(bake::CheckMoments(clip, std::vector<double>{2}).status().message().find("0.958 s"),
+  EXPECT_NE(bake::CheckMoments(clip, Vector<double>{2}).status().message().find("0.958 s"),
             std::string::npos);
   // The length as the message shows it may be given back.
-  EXPECT_TRUE(bake::CheckMoments(clip, std::vector<double>{0.958}).ok());
-  EXPECT_TRUE(bake::CheckMoments(ClipOfLength(0.95796), std::vector<double>{0.958}).ok());
+  EXPECT_TRUE(bake::CheckMoments(clip, Vector<double>{0.958}).ok());
+  EXPECT_TRUE(bake::CheckMoments(ClipOfLength(0.95796), Vector<double>{0.958}).ok());
   EXPECT_FALSE(bake::SpreadMoments(ClipOfLength(0), 2, true).ok());
   EXPECT_TRUE(bake::SpreadMoments(ClipOfLength(0), 1, true).ok());
 }

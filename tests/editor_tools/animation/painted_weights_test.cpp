@@ -2,6 +2,7 @@
 #include "animation/painted_weights.h"
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "import/import_gltf.h"
 #include "rig/rig.h"
@@ -42,7 +43,7 @@ TEST(WeightsOfSkin, AreTheJoints_AndEachIsHeldByAVertexThatFollowsIt) {
   BarOptions two_sets = WithTargets(), unnormalised = WithTargets();
   two_sets.two_sets = true;
   unnormalised.weight_sum = 0.25f;
-  const std::vector<Eigen::Vector3d> positions = BarPositions();
+  const Vector<Eigen::Vector3d> positions = BarPositions();
   for (const BarOptions& options : {WithTargets(), scaled, two_sets, unnormalised}) {
     const Painted bar = Open(MakeAnimatedBar(options));
     const auto painted = bake::WeightsOfSkin(bar.file, bar.raw);
@@ -79,7 +80,7 @@ TEST(WeightsOfSkin, ComeThroughABake) {
   auto baked = bake::Bake(bar.raw, painted->handles, {}, {});
   ASSERT_TRUE(baked.ok()) << baked.status().message();
   EXPECT_TRUE(baked->weights.handles.empty()) << "nothing was computed";
-  const std::vector<Eigen::Vector3d> positions = BarPositions();
+  const Vector<Eigen::Vector3d> positions = BarPositions();
   for (size_t d = 0; d < positions.size(); ++d) {
     const size_t v = baked->mesh.solve_vertex[d];
     EXPECT_NEAR(baked->mesh.weights[2 * v + 1], MiddleWeight(positions[d]), 1e-6);
@@ -103,8 +104,8 @@ TEST(WeightsOfSkin, AJointThatMovesNothing_IsLeftOutWithAWarning) {
   json["nodes"].push_back({{"name", "idle"}});
   json["nodes"][kBarMiddleNode]["children"].push_back(idle);
   json["skins"][0]["joints"].push_back(idle);
-  const std::vector<float> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  std::vector<float> bind;
+  const Vector<float> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  Vector<float> bind;
   for (int joint = 0; joint < 3; ++joint)
     bind.insert(bind.end(), identity.begin(), identity.end());
   json["skins"][0]["inverseBindMatrices"] = parts.AddFloats(bind, "MAT4");
@@ -120,7 +121,7 @@ TEST(WeightsOfSkin, AJointThatMovesNothing_IsLeftOutWithAWarning) {
 // Two handles on the bar, red and green; blue is nobody's.
 GltfParts ColoredBar() {
   GltfParts parts = MakeAnimatedBar(WithTargets());
-  std::vector<float> colors;
+  Vector<float> colors;
   for (const Eigen::Vector3d& position : BarPositions()) {
     const auto up = static_cast<float>(MiddleWeight(position));
     colors.insert(colors.end(), {1 - up, up, 0.7f});
@@ -130,8 +131,8 @@ GltfParts ColoredBar() {
   return parts;
 }
 
-std::vector<bake::HandleSpec> Handles(int count) {
-  std::vector<bake::HandleSpec> handles(static_cast<size_t>(count));
+Vector<bake::HandleSpec> Handles(int count) {
+  Vector<bake::HandleSpec> handles(static_cast<size_t>(count));
   for (size_t h = 0; h < handles.size(); ++h) {
     handles[h].name = "h" + std::to_string(h);
     handles[h].source_vertex = h == 0 ? 0 : static_cast<uint32_t>(BarPositions().size() - h);
@@ -143,7 +144,7 @@ TEST(WeightsOfColors, AreChannelsInTheOrderOfTheHandles) {
   Painted bar = Open(ColoredBar());
   const auto painted = bake::WeightsOfColors(bar.file, bar.raw, Handles(2));
   ASSERT_TRUE(painted.ok()) << painted.status().message();
-  const std::vector<Eigen::Vector3d> positions = BarPositions();
+  const Vector<Eigen::Vector3d> positions = BarPositions();
   for (size_t v = 0; v < positions.size(); ++v) {
     const auto row = static_cast<Eigen::Index>(v);
     EXPECT_NEAR(painted->weights(row, 0), 1 - MiddleWeight(positions[v]), 1e-6);
@@ -189,7 +190,7 @@ TEST(PaintedWeights, EmptyRows_AreFilledFromAround) {
   const auto painted = bake::WeightsOfColors(bar.file, bar.raw, Handles(2));
   ASSERT_TRUE(painted.ok());
   bar.raw.painted_weights = painted->weights;
-  const std::vector<Eigen::Vector3d> positions = BarPositions();
+  const Vector<Eigen::Vector3d> positions = BarPositions();
   for (size_t v = 0; v < positions.size(); ++v) {
     if (std::abs(positions[v].y() - 1) < 0.2)
       bar.raw.painted_weights.row(static_cast<Eigen::Index>(v)).setZero();

@@ -1,12 +1,12 @@
 // Progress that only rises, and a stop that is heard wherever it comes.
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "support/test_meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <thread>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -16,8 +16,8 @@ struct Told {
   double fraction = 0;
 };
 
-std::vector<Told> RunAndListen(const RawCharacter& raw) {
-  std::vector<Told> told;
+Vector<Told> RunAndListen(const RawCharacter& raw) {
+  Vector<Told> told;
   const auto caller = std::this_thread::get_id();
   const auto baked = Bake(raw, raw.marked_handles, {}, [&](const char* stage, double fraction) {
     EXPECT_EQ(std::this_thread::get_id(), caller);
@@ -29,16 +29,16 @@ std::vector<Told> RunAndListen(const RawCharacter& raw) {
 }
 
 TEST(BakeProgress, RisesFromZeroThroughEveryStage) {
-  const std::vector<Told> told = RunAndListen(test::MakeBendCylinder(24, 40));
+  const Vector<Told> told = RunAndListen(test::MakeBendCylinder(24, 40));
   ASSERT_GE(told.size(), 6u);
   EXPECT_EQ(told.front().fraction, 0);
-  std::vector<std::string> stages;
+  Vector<std::string> stages;
   for (size_t i = 0; i < told.size(); ++i) {
     EXPECT_LE(told[i].fraction, 1);
     EXPECT_GE(told[i].fraction, told[i == 0 ? 0 : i - 1].fraction) << told[i].stage;
     if (stages.empty() || stages.back() != told[i].stage) stages.push_back(told[i].stage);
   }
-  const std::vector<std::string> expected = {"weld", "weights", "reach", "edge groups", "tensors"};
+  const Vector<std::string> expected = {"weld", "weights", "reach", "edge groups", "tensors"};
   EXPECT_EQ(stages, expected);
 }
 

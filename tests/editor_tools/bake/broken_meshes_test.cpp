@@ -1,6 +1,7 @@
 // Characters as they come from artists: every defect alone, pairs and all of them together. Each
 // gives a sound bake; what cannot be baked is refused by its cause.
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "editor_tools/bake/sound_bake.h"
 #include "support/test_meshes.h"
 
@@ -10,7 +11,6 @@
 #include <functional>
 #include <random>
 #include <string>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -151,7 +151,7 @@ void AddUnusedVertices(Patient* patient, Random* random) {
 }
 
 void PunchHoles(Patient* patient, Random* random) {
-  std::vector<uint32_t> kept;
+  Vector<uint32_t> kept;
   for (uint32_t t = 0; t < patient->num_triangles(); ++t) {
     const uint32_t* corners = patient->Corners(t);
     if ((*random)() % 8 != 0) kept.insert(kept.end(), corners, corners + 3);
@@ -185,8 +185,8 @@ void CollapseAnExample(Patient* patient, Random*) {
   patient->raw.shape_names.emplace_back("line");
 }
 
-const std::vector<Defect>& Defects() {
-  static const std::vector<Defect> defects = {
+const Vector<Defect>& Defects() {
+  static const Vector<Defect> defects = {
       {"seams", SplitSeams, true},
       {"loose eyes", AddEyes},
       {"fins", AddFins},

@@ -1,6 +1,8 @@
 // Example shapes that say nothing new are named; those that do are not.
 #include "bake/example_review.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -25,8 +27,8 @@ PointMatrix Turned(const PointMatrix& shape) {
   return (shape * turn.transpose()).rowwise() + Eigen::RowVector3d(5, -2, 1);
 }
 
-std::vector<std::string> Review(const std::vector<PointMatrix>& shapes, bool rotations = true) {
-  std::vector<std::string> names;
+Vector<std::string> Review(const Vector<PointMatrix>& shapes, bool rotations = true) {
+  Vector<std::string> names;
   for (size_t s = 0; s < shapes.size(); ++s)
     names.push_back("s" + std::to_string(s));
   return ReviewExamples(shapes, names, rotations);
@@ -54,7 +56,7 @@ TEST(ReviewExamples, SmallButRealChanges_AreNoCopy) {
 
 // A mirrored shape is another one, whatever its distances say.
 TEST(ReviewExamples, ATurnedCopy_IsUselessOnlyWhereTheSolverTurns) {
-  const std::vector<PointMatrix> shapes = {RandomShape(1), RandomShape(2), Turned(RandomShape(2))};
+  const Vector<PointMatrix> shapes = {RandomShape(1), RandomShape(2), Turned(RandomShape(2))};
   const auto lines = Review(shapes);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NE(lines[0].find("'s2' is 's1' moved or turned"), std::string::npos) << lines[0];

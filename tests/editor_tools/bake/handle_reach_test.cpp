@@ -1,5 +1,7 @@
 #include "bake/handle_reach.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +41,7 @@ geometry::SolveMesh MakeStrip() {
 TEST(HandleReach, IsTheLongestOfTheExamplesShortestWays) {
   geometry::SolveMesh mesh = MakeStrip();
   const std::array<int, 3> handles = {0, 16, 18};  // the strip's ends, the triangle far away
-  const std::vector<float> all = HandleReach(mesh, handles, 1, 1);
+  const Vector<float> all = HandleReach(mesh, handles, 1, 1);
   EXPECT_NEAR(all[1], 16, 1e-5);  // in the longer shape
   EXPECT_EQ(all[3], all[1]);
   for (const size_t diagonal : {0, 4, 8})
@@ -55,7 +57,7 @@ TEST(HandleReach, IsTheLongestOfTheExamplesShortestWays) {
 TEST(HandleReach, NumberOfThreads_ChangesNoBit) {
   const geometry::SolveMesh mesh = MakeStrip();
   const std::array<int, 7> handles = {0, 3, 6, 9, 12, 16, 18};
-  const std::vector<float> alone = HandleReach(mesh, handles, 1.7, 1);
+  const Vector<float> alone = HandleReach(mesh, handles, 1.7, 1);
   for (const int threads : {0, 2, 5, 16})
     EXPECT_EQ(HandleReach(mesh, handles, 1.7, threads), alone) << threads;
 }

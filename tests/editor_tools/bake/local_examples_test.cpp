@@ -1,5 +1,6 @@
 // An example that differs from the base in one region takes part there and nowhere else.
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
 #include "support/test_meshes.h"
@@ -47,7 +48,7 @@ RawCharacter MakeSwollenCylinder(bool with_example) {
   return raw;
 }
 
-using Points = std::vector<Eigen::Vector3d>;
+using Points = Vector<Eigen::Vector3d>;
 
 // Handles at their place in one of the shapes, but for some moved on.
 Points Pose(const std::shared_ptr<const Rig>& rig, int shape, int moved, Vec3 by) {

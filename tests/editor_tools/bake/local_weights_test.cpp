@@ -18,7 +18,7 @@ TEST(LocalWeights, OfOneLimbOfTheDragonlet_AreNotFeltAtOthers) {
   const Result<BakedCharacter> baked = Bake(*raw, raw->marked_handles, {}, {});
   ASSERT_TRUE(baked.ok()) << baked.status().message();
   const SkinMesh& mesh = baked->mesh;
-  const auto handle = [&](const std::string& name) {
+  const auto handle = [&](std::string_view name) {
     for (int h = 0; h < mesh.num_handles; ++h) {
       if (baked->tables.handles[size_t(h)].name == name) return h;
     }

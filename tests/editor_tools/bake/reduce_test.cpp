@@ -5,6 +5,7 @@
 #include "bake/rig_space.h"
 #include "bench/smooth_weights.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "deform/example_arap/full_energy.h"
 #include "deform/example_arap/paper_tensors.h"
 #include "geometry/bridges.h"
@@ -24,10 +25,10 @@ using Table = Eigen::Map<const RowMajor>;
 // A reduced character with everything that the oracles need beside it.
 struct Reduced {
   geometry::SolveMesh mesh;
-  std::vector<Eigen::MatrixXd> shapes;  // rig space, V x k
+  Vector<Eigen::MatrixXd> shapes;  // rig space, V x k
   Eigen::MatrixXd weights;
-  std::vector<geometry::GroupEdge> edges;
-  std::vector<int> handle_vertices;
+  Vector<geometry::GroupEdge> edges;
+  Vector<int> handle_vertices;
   RigTables tables;
   LocalGroupFactors local;
 };
@@ -37,7 +38,7 @@ Reduced MakeReduced(const RawCharacter& raw, bool rotations) {
   r.mesh = geometry::WeldMesh(raw.shapes, raw.triangles, 0);
   geometry::ConnectComponents(&r.mesh);
   r.tables.space = FitRigSpace(r.mesh.shapes, &r.tables.dimension);
-  r.tables.shape_names = raw.shape_names;
+  r.tables.shape_names.assign(raw.shape_names.begin(), raw.shape_names.end());
   r.tables.has_rotations = rotations;
   for (const HandleSpec& spec : raw.marked_handles) {
     RigHandle handle;
@@ -242,7 +243,7 @@ TEST_P(ReduceTest, SingleModeTransforms_GiveTheModesAnywhere) {
     const Table transforms(t.single_mode_transforms.data() + s * rows * (1 + r1), rows, 1 + r1);
     const Table handles(t.single_handle_modes.data() + s * t.num_handles() * (1 + r1),
                         t.num_handles(), 1 + r1);
-    const std::vector<Eigen::MatrixXd> shape = {r.shapes[static_cast<size_t>(s)]};
+    const Vector<Eigen::MatrixXd> shape = {r.shapes[static_cast<size_t>(s)]};
     const Eigen::MatrixXd skinning = deform::BuildPaperTensors(shape, r.weights, {}, 1).skinning;
     const Eigen::MatrixXd fields = skinning * transforms.cast<double>();
     EXPECT_LT((fields.col(0).array() - 1).abs().maxCoeff(), 1e-6)

@@ -3,6 +3,7 @@
 
 #include "bake/bake.h"
 #include "bake/pack_tables.h"
+#include "core/vector.h"
 #include "rig/rig_fields.h"
 #include "solve/pose_model.h"
 #include "solve/pose_workspaces.h"
@@ -26,7 +27,7 @@ BakedCharacter Baked(const RawCharacter& raw, const BakeOptions& options) {
 
 size_t TableBytes(const RigTables& tables) {
   size_t floats = 0;
-  VisitRigTables(tables, [&floats](const char*, const std::vector<float>& table, const auto&) {
+  VisitRigTables(tables, [&floats](const char*, const Vector<float>& table, const auto&) {
     floats += table.size();
   });
   return floats * sizeof(float);

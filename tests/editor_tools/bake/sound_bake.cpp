@@ -1,6 +1,7 @@
 #include "editor_tools/bake/sound_bake.h"
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
 
@@ -9,12 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <vector>
 
 namespace limber::test {
 namespace {
 
-void ExpectFinite(const std::vector<float>& numbers, const char* what) {
+void ExpectFinite(const Vector<float>& numbers, const char* what) {
   EXPECT_TRUE(std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); }))
       << what;
 }

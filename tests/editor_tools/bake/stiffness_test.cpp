@@ -1,5 +1,6 @@
 // Regions that are stiffer than the rest.
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_solver.h"
 #include "support/test_meshes.h"
@@ -22,7 +23,7 @@ RawCharacter MakeCylinder(double bottom, double middle, double top) {
 
 struct Stretched {
   PoseReport report;
-  std::vector<Eigen::Vector3d> points;
+  Vector<Eigen::Vector3d> points;
   std::shared_ptr<const Rig> rig;
 
   // By how much the part between two heights at rest is longer now.

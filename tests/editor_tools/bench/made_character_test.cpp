@@ -6,6 +6,7 @@
 #include "bench/made_surface.h"
 #include "bench/paper_table.h"
 #include "bench/quick_bake.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 
 #include <gtest/gtest.h>
@@ -93,8 +94,8 @@ TEST(DragPath, BothDimensions_UseEveryShape) {
     const auto rig = QuickRig({500, 4, 3, 0, dimension});
     ASSERT_EQ(rig->tables().dimension, dimension);
     PoseState pose = PoseState::Create(rig).value();
-    std::vector<double> most(3, 0);
-    for (const std::vector<Vec3>& targets : DragPath(*rig, 60)) {
+    Vector<double> most(3, 0);
+    for (const Vector<Vec3>& targets : DragPath(*rig, 60)) {
       ASSERT_TRUE(SetTargets(targets, &pose).ok());
       ASSERT_TRUE(pose.Solve({}, nullptr).ok());
       const auto blend = pose.blend_weights();

@@ -1,5 +1,6 @@
 // Bad input from outside: one line that names file, place and reason, exit code 1, nothing left
 // over.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
+using Words = Vector<std::string>;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -1,4 +1,5 @@
 // What `bake` and `info` say of weights and costs, and a bake that is stopped at any moment.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
@@ -8,13 +9,12 @@
 #include <signal.h>
 
 #include <string>
-#include <vector>
 
 namespace limber::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
+using Words = Vector<std::string>;
 
 class BakeOptionsTest : public ::testing::Test {
  protected:

@@ -1,4 +1,5 @@
 // limber bench from outside: what it reports must hang together; no time itself is judged.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
@@ -14,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
+using Words = Vector<std::string>;
 
 class BenchCommand : public ::testing::Test {
  protected:
@@ -149,7 +150,7 @@ TEST_F(BenchCommand, WhatCannotBeMeasured_IsOneLine) {
   fs::copy(Path("bar.glb"), Path("lions/characters/lion-poses.glb"));
   WriteHorse(MakeBar(12));
   WriteText(Path("data/horse/horse-02.obj"), "v 0 0 zero\n");
-  const std::vector<std::tuple<Words, int, std::string>> cases = {
+  const Vector<std::tuple<Words, int, std::string>> cases = {
       {{"--only", "unicorn"}, 2, "unicorn"},
       {{Path("bar.glb"), "--quick"}, 2, "--quick"},
       {{"--frames", "0"}, 2, "--frames"},

@@ -1,4 +1,5 @@
 // The command from outside: help, usage, JSON, and a bar that is baked, inspected and dragged.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "small_gltf.h"
 #include "support/temporary_folder.h"
@@ -16,12 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
-using Points = std::vector<std::array<float, 3>>;
+using Words = Vector<std::string>;
+using Points = Vector<std::array<float, 3>>;
 
 struct Obj {
   Points vertices;
-  std::vector<uint32_t> corners;  // triangles, from 0
+  Vector<uint32_t> corners;  // triangles, from 0
 };
 
 Obj ParseObj(const std::string& text) {
@@ -315,7 +316,7 @@ TEST_F(LimberCommand, PackedObjs_ComeBackInTheirOwnOrder) {
       RunLimber({"solve", Path("baked.glb"), "--targets", frames, "-o", Path("out"), "--settle"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Obj obj = ParseObj(ReadText(Path("out/frame_0000.obj")));
-  EXPECT_EQ(obj.corners, (std::vector<uint32_t>{0, 3, 1, 0, 2, 3}));
+  EXPECT_EQ(obj.corners, (Vector<uint32_t>{0, 3, 1, 0, 2, 3}));
   EXPECT_LT(LargestDistance(obj.vertices, {{1.5f, 1, 0}, {1.5f, 0, 0}, {0, 1, 0}, {0, 0, 0}}),
             1e-3);
 }

@@ -1,6 +1,8 @@
 // Handles may be called anything; their files may not.
 #include "cli/handle_file_names.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <set>
@@ -8,15 +10,15 @@
 namespace limber::cli {
 namespace {
 
-std::vector<std::string> NamesFor(const std::vector<std::string>& handles) {
-  std::vector<RigHandle> rig_handles;
+Vector<std::string> NamesFor(const Vector<std::string>& handles) {
+  Vector<RigHandle> rig_handles;
   for (const std::string& name : handles)
     rig_handles.emplace_back().name = name;
   return HandleFileNames(rig_handles);
 }
 
 TEST(HandleFileNames, PlainNamesStay) {
-  const std::vector<std::string> plain = {"tail_tip", "Foot.L", "ear-2", "sch\u00f6n"};
+  const Vector<std::string> plain = {"tail_tip", "Foot.L", "ear-2", "sch\u00f6n"};
   EXPECT_EQ(NamesFor(plain), plain);
 }
 

@@ -1,5 +1,6 @@
 // `limber inspect` from outside: the pictures that were asked for, and one clear line for what is
 // not there.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "scoped_variable.h"
 #include "small_gltf.h"
@@ -11,13 +12,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
+using Words = Vector<std::string>;
 
 class LimberInspect : public ::testing::Test {
  protected:

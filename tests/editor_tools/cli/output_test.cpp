@@ -2,6 +2,7 @@
 #include "cli/output.h"
 
 #include "cli/obj_text.h"
+#include "core/vector.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +84,7 @@ TEST(ObjText, SeamVertices_CollapseToTheSourceOrder) {
   mesh.source_vertex = {3, 2, 0, 2, 1};
   mesh.solve_vertex = {0, 1, 2, 1, 3};
   mesh.triangles = {0, 1, 2, 3, 4, 2};
-  const std::vector<Vec3> solve = {{30, 0, 0}, {20, 0, 0}, {0.1f, 0, 0}, {10, 0, 0}};
+  const Vector<Vec3> solve = {{30, 0, 0}, {20, 0, 0}, {0.1f, 0, 0}, {10, 0, 0}};
   // The source knew them as one quad, and had a fifth vertex that nothing uses.
   const bake::SourceFaces faces = {5, {4}, {3, 2, 1, 0}};
   EXPECT_EQ(ObjText(mesh, faces, solve),

@@ -1,5 +1,6 @@
 // limber pack of an animated glTF, from outside: moments of a clip all the way to a baked
 // character.
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "run_limber.h"
 #include "support/temporary_folder.h"
@@ -13,7 +14,7 @@ namespace limber::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
+using Words = Vector<std::string>;
 
 class PackClipCommand : public ::testing::Test {
  protected:
@@ -89,11 +90,11 @@ TEST_F(PackClipCommand, OptionsOfTheOtherUse_AreRefusedAsWrongUsage) {
   ExpectRefused(
       RunLimber({"pack", Path("bar.glb"), "shape.obj", "-o", Path("out.glb"), "--times", "0"}),
       kUsage, "shape.obj");
-  for (const Words& option : std::vector<Words>{{"--clip", "Bend"},
-                                                {"--times", "0"},
-                                                {"--count", "1"},
-                                                {"--node", "Bar"},
-                                                {"--in-place"}}) {
+  for (const Words& option : Vector<Words>{{"--clip", "Bend"},
+                                           {"--times", "0"},
+                                           {"--count", "1"},
+                                           {"--node", "Bar"},
+                                           {"--in-place"}}) {
     Words words = {"pack", "rest.obj", "bent.obj", "-o", Path("out.glb")};
     words.insert(words.end(), option.begin(), option.end());
     ExpectRefused(RunLimber(words), kUsage, option[0]);

@@ -1,5 +1,6 @@
 // `limber render` from outside: pictures of the asked size, and not a word from the validation
 // layers.
+#include "core/vector.h"
 #include "run_limber.h"
 #include "scoped_variable.h"
 #include "small_gltf.h"
@@ -49,7 +50,7 @@ TEST_F(LimberRender, Frames_ArePicturesOfTheAskedSizeWithoutAMessage) {
                  "--size", "321x200", "--dots", "--validate", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(FilesBelow(Path("out")),
-            (std::vector<std::string>{"frame_0000.png", "frame_0001.png", "frame_0002.png"}));
+            (Vector<std::string>{"frame_0000.png", "frame_0001.png", "frame_0002.png"}));
   const std::string rest = ReadText(Path("out/frame_0000.png"));
   const std::string dragged = ReadText(Path("out/frame_0001.png"));
   ASSERT_GT(rest.size(), 24u);

@@ -1,5 +1,6 @@
 #include "run_limber.h"
 
+#include "core/vector.h"
 #include "support/temporary_folder.h"
 
 #include <fcntl.h>
@@ -18,16 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void Become(const std::vector<std::string>& arguments, const fs::path& out,
+[[noreturn]] void Become(const Vector<std::string>& arguments, const fs::path& out,
                          const fs::path& err) {
   const int out_file = open(out.c_str(), O_CREAT | O_WRONLY, 0600);
   const int err_file = open(err.c_str(), O_CREAT | O_WRONLY, 0600);
   dup2(out_file, STDOUT_FILENO);
   dup2(err_file, STDERR_FILENO);
-  std::vector<char*> words;
+  Vector<char*> words;
   std::string program = LIMBER_COMMAND;
   words.push_back(program.data());
-  std::vector<std::string> copies = arguments;
+  Vector<std::string> copies = arguments;
   for (std::string& word : copies)
     words.push_back(word.data());
   words.push_back(nullptr);
@@ -37,7 +38,7 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-CommandResult RunLimberAndSignal(const std::vector<std::string>& arguments, int signal_number,
+CommandResult RunLimberAndSignal(const Vector<std::string>& arguments, int signal_number,
                                  int delay_ms) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out", err = folder.path() / "err";
@@ -56,12 +57,12 @@ CommandResult RunLimberAndSignal(const std::vector<std::string>& arguments, int 
   return result;
 }
 
-CommandResult RunLimber(const std::vector<std::string>& arguments) {
+CommandResult RunLimber(const Vector<std::string>& arguments) {
   return RunLimberAndSignal(arguments, 0, 0);
 }
 
-std::vector<std::string> FilesBelow(const fs::path& folder) {
-  std::vector<std::string> files;
+Vector<std::string> FilesBelow(const fs::path& folder) {
+  Vector<std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     files.push_back(entry.path().lexically_relative(folder).string());
   }

@@ -1,9 +1,10 @@
 // Runs the built limber command as a shell would, and keeps all that it said.
 #pragma once
 
+#include "core/vector.h"
+
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
@@ -12,14 +13,14 @@ struct CommandResult {
   std::string out, err;
 };
 
-CommandResult RunLimber(const std::vector<std::string>& arguments);
+CommandResult RunLimber(const Vector<std::string>& arguments);
 
 // Starts it, sends `signal_number` after `delay_ms`, waits for the end.
-CommandResult RunLimberAndSignal(const std::vector<std::string>& arguments, int signal_number,
+CommandResult RunLimberAndSignal(const Vector<std::string>& arguments, int signal_number,
                                  int delay_ms);
 
 // Every path below the folder, relative to it, sorted: to see what a failed command left behind.
-std::vector<std::string> FilesBelow(const std::filesystem::path& folder);
+Vector<std::string> FilesBelow(const std::filesystem::path& folder);
 
 std::string ReadText(const std::filesystem::path& path);
 void WriteText(const std::filesystem::path& path, const std::string& text);

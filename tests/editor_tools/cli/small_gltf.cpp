@@ -1,5 +1,7 @@
 #include "small_gltf.h"
 
+#include "core/vector.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -10,7 +12,7 @@ namespace limber::test {
 namespace {
 
 using Json = nlohmann::json;
-using Points = std::vector<std::array<float, 3>>;
+using Points = Vector<std::array<float, 3>>;
 
 // Collects binary data, and the accessors that describe it.
 struct Builder {
@@ -45,7 +47,7 @@ struct Builder {
                34962);
   }
 
-  int AddIndices(const std::vector<uint32_t>& indices) {
+  int AddIndices(const Vector<uint32_t>& indices) {
     return Add(indices.data(), indices.size() * 4,
                {{"componentType", 5125}, {"type", "SCALAR"}, {"count", indices.size()}}, 34963);
   }
@@ -73,7 +75,7 @@ std::string SmallGltf::ToGlb() const {
                     {"targets", target_list}};
   Json primitives = {primitive};
   if (has_second_primitive) {
-    primitive["targets"] = Json(std::vector<Json>(
+    primitive["targets"] = Json(Vector<Json>(
         target_list.begin(), target_list.begin() + static_cast<long>(targets_of_second)));
     primitives.push_back(primitive);
   }

@@ -1,19 +1,20 @@
 // A small good character as a GLB made in code, and the knobs that spoil it.
 #pragma once
 
+#include "core/vector.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
 // A bar of `length` x 1 x 1 quads along x with two morph targets: bent upwards, and shorter but
 // puffed.
 struct SmallGltf {
-  std::vector<std::array<float, 3>> positions;
-  std::vector<std::vector<std::array<float, 3>>> targets;  // displacements
-  std::vector<uint32_t> indices;
+  Vector<std::array<float, 3>> positions;
+  Vector<Vector<std::array<float, 3>>> targets;  // displacements
+  Vector<uint32_t> indices;
   // A second primitive over the same vertices with only the first `targets_of_second` targets.
   bool has_second_primitive = false;
   size_t targets_of_second = 0;

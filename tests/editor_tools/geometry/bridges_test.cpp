@@ -1,5 +1,6 @@
 #include "geometry/bridges.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/point_tree.h"
 #include "geometry/union_find.h"
@@ -48,17 +49,17 @@ TEST(ConnectComponents, OneComponent_NeedsNoBridge) {
   ConnectComponents(&mesh);
   EXPECT_EQ(mesh.num_components, 1);
   EXPECT_TRUE(mesh.bridges.empty());
-  EXPECT_EQ(mesh.component, std::vector<int>(static_cast<size_t>(mesh.num_vertices()), 0));
+  EXPECT_EQ(mesh.component, Vector<int>(static_cast<size_t>(mesh.num_vertices()), 0));
 }
 
 TEST(ConnectComponents, Parts_AreNumberedBySizeAndAllConnected) {
   SolveMesh mesh = MakeParts();
   ConnectComponents(&mesh);
   ASSERT_EQ(mesh.num_components, 5);
-  std::vector<int> size(5, 0);
+  Vector<int> size(5, 0);
   for (const int component : mesh.component)
     ++size[component];
-  EXPECT_EQ(size, (std::vector<int>{362, 26, 5, 5, 1}));
+  EXPECT_EQ(size, (Vector<int>{362, 26, 5, 5, 1}));
   EXPECT_TRUE(IsConnected(mesh));
   for (const Bridge& bridge : mesh.bridges) {
     EXPECT_NE(mesh.component[bridge.a], mesh.component[bridge.b]);
@@ -70,8 +71,8 @@ TEST(ConnectComponents, Parts_AreNumberedBySizeAndAllConnected) {
 TEST(ConnectComponents, Part_IsHeldAtSeveralSpreadPoints) {
   SolveMesh mesh = MakeParts();
   ConnectComponents(&mesh);
-  std::vector<PointMatrix> ends(5, PointMatrix(0, 3));
-  std::vector<std::set<int>> starts(5);
+  Vector<PointMatrix> ends(5, PointMatrix(0, 3));
+  Vector<std::set<int>> starts(5);
   for (const Bridge& bridge : mesh.bridges) {
     // Each begins at the part that it ties, at a vertex of its own.
     EXPECT_TRUE(starts[mesh.component[bridge.a]].insert(bridge.a).second);

@@ -1,5 +1,6 @@
 #include "geometry/cotangent.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 
@@ -105,7 +106,7 @@ TEST(Cotangent, DegenerateTriangles_StayFinite) {
 
 TEST(CotangentEdges, WeightsAreClampedAndEdgesSorted) {
   const SolveMesh mesh = test::MakeGrid(5, 5);
-  const std::vector<WeightedEdge> edges = CotangentEdges(mesh);
+  const Vector<WeightedEdge> edges = CotangentEdges(mesh);
   EXPECT_EQ(edges.size(), 2U * 30 + 25);
   for (size_t e = 0; e < edges.size(); ++e) {
     EXPECT_LT(edges[e].i, edges[e].j);

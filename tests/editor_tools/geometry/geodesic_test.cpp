@@ -1,5 +1,6 @@
 #include "geometry/geodesic.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/extremities.h"
@@ -66,10 +67,10 @@ TEST(SpreadPoints, Star_EveryArmComesFirst) {
 TEST(SpreadPoints, AreDistinctDeterministicAndGrowByAppending) {
   SolveMesh mesh = MakeStar(3);
   ConnectComponents(&mesh);
-  const std::vector<int> many = SpreadPoints(mesh, 20);
+  const Vector<int> many = SpreadPoints(mesh, 20);
   EXPECT_EQ(std::set<int>(many.begin(), many.end()).size(), 20U);
   EXPECT_EQ(SpreadPoints(mesh, 20), many);
-  EXPECT_EQ(SpreadPoints(mesh, 7), std::vector<int>(many.begin(), many.begin() + 7));
+  EXPECT_EQ(SpreadPoints(mesh, 7), Vector<int>(many.begin(), many.begin() + 7));
 }
 
 TEST(SpreadPoints, SmallParts_AreLeftOut) {
@@ -92,7 +93,7 @@ TEST(SpreadPoints, VerticesWithoutTriangles_AreNeverChosen) {
   test::Append(loose, {-9, 0, 0}, &mesh);
   ConnectComponents(&mesh);
   ASSERT_EQ(mesh.num_vertices(), num_used + 2);
-  const std::vector<int> points = SpreadPoints(mesh, 10);
+  const Vector<int> points = SpreadPoints(mesh, 10);
   EXPECT_EQ(points.size(), static_cast<size_t>(num_used));
   for (const int v : points)
     EXPECT_LT(v, num_used);

@@ -1,4 +1,5 @@
 // What the robust Laplacian is for: right answers on badly triangulated surfaces.
+#include "core/vector.h"
 #include "editor_tools/geometry/soup_meshes.h"
 #include "geometry/cotangent.h"
 #include "geometry/robust_laplacian.h"
@@ -23,7 +24,7 @@ TEST(RobustLaplacian, PlanarMesh_ReproducesLinearFunctions) {
   const SolveMesh square = test::MakeJitteredSquare(12, 2);
   const VectorXd linear = square.shapes[0] * Eigen::Vector3d(2, -3, 0);
   const VectorXd result = MakeRobustLaplacian(square).laplacian * linear;
-  const std::vector<bool> on_outline = test::OnOutline(square);
+  const Vector<bool> on_outline = test::OnOutline(square);
   for (int v = 0; v < square.num_vertices(); ++v) {
     if (on_outline[v]) continue;
     EXPECT_NEAR(result(v), 0, 1e-13);
@@ -32,7 +33,7 @@ TEST(RobustLaplacian, PlanarMesh_ReproducesLinearFunctions) {
 
 TEST(RobustLaplacian, HarmonicFunctionOnABadMesh_IsLinearWhereTheClampedOneIsNot) {
   const SolveMesh square = BadSquare(14);
-  const std::vector<bool> on_outline = test::OnOutline(square);
+  const Vector<bool> on_outline = test::OnOutline(square);
   const VectorXd linear = square.shapes[0] * Eigen::Vector3d(1, 0.5, 0);
   const VectorXd zero = VectorXd::Zero(linear.size());
   const auto error = [&](const Eigen::SparseMatrix<double>& laplacian) {
@@ -45,7 +46,7 @@ TEST(RobustLaplacian, HarmonicFunctionOnABadMesh_IsLinearWhereTheClampedOneIsNot
 
 TEST(RobustLaplacian, PoissonProblemOnABadMesh_Converges) {
   // -laplace u = 2 pi^2 sin(pi x) sin(pi y), zero on the outline: u = sin(pi x) sin(pi y).
-  std::vector<double> errors;
+  Vector<double> errors;
   for (const int n : {6, 12, 24}) {
     const SolveMesh square = BadSquare(n);
     const auto points = square.shapes[0].array() * std::numbers::pi;
@@ -72,7 +73,7 @@ SolveMesh MakeOrange(int around, int rings) {
 
 TEST(RobustLaplacian, SphereOfNeedles_FirstEigenvalueConverges) {
   // The coordinates are eigenfunctions of the unit sphere, of eigenvalue 2.
-  std::vector<double> errors;
+  Vector<double> errors;
   for (const int rings : {6, 12, 24}) {
     const SolveMesh sphere = MakeOrange(6 * rings, rings);
     const RobustLaplacian robust = MakeRobustLaplacian(sphere);

@@ -1,5 +1,6 @@
 #include "geometry/robust_laplacian.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/soup_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/cotangent.h"
@@ -202,7 +203,7 @@ TEST(RobustLaplacian, BrokenMeshes_ObeyTheMaximumPrinciple) {
     ConnectComponents(&mesh);
     std::mt19937 random(seed);
     VectorXd values = VectorXd::Zero(mesh.num_vertices());
-    std::vector<bool> is_fixed(static_cast<size_t>(mesh.num_vertices()), false);
+    Vector<bool> is_fixed(static_cast<size_t>(mesh.num_vertices()), false);
     for (int i = 0; i < 5; ++i) {
       const int v = static_cast<int>(random() % uint32_t(mesh.num_vertices()));
       is_fixed[v] = true;
@@ -223,7 +224,7 @@ TEST(RobustLaplacian, Order_DoesNotMatter) {
     for (size_t t = 0; t < 9; ++t)
       mesh.triangles.push_back(mesh.triangles[3 * t]);
     const RobustLaplacian expected = MakeRobustLaplacian(mesh);
-    const std::vector<int> order = test::Shuffle(mesh.num_vertices(), seed);
+    const Vector<int> order = test::Shuffle(mesh.num_vertices(), seed);
     const SolveMesh shuffled = test::Rewound(test::Renumbered(mesh, order), seed);
     const RobustLaplacian result = MakeRobustLaplacian(shuffled);
     const Eigen::PermutationMatrix<Eigen::Dynamic> permutation(

@@ -1,5 +1,7 @@
 #include "editor_tools/geometry/solve_meshes.h"
 
+#include "core/vector.h"
+
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -69,8 +71,8 @@ void Append(const SolveMesh& part, const Eigen::RowVector3d& offset, SolveMesh* 
   }
 }
 
-std::vector<int> Shuffle(int count, uint32_t seed) {
-  std::vector<int> order(static_cast<size_t>(count));
+Vector<int> Shuffle(int count, uint32_t seed) {
+  Vector<int> order(static_cast<size_t>(count));
   std::iota(order.begin(), order.end(), 0);
   std::mt19937 random(seed);
   for (size_t i = order.size(); i > 1; --i)
@@ -78,7 +80,7 @@ std::vector<int> Shuffle(int count, uint32_t seed) {
   return order;
 }
 
-SolveMesh Renumbered(const SolveMesh& mesh, const std::vector<int>& order) {
+SolveMesh Renumbered(const SolveMesh& mesh, const Vector<int>& order) {
   SolveMesh result = mesh;
   for (size_t s = 0; s < mesh.shapes.size(); ++s) {
     for (int v = 0; v < mesh.num_vertices(); ++v) {

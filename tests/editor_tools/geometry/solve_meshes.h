@@ -1,11 +1,11 @@
 // Small welded meshes made in code, and the maps that the invariance tests put them through.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace limber::test {
 
@@ -24,9 +24,9 @@ SolveMesh MakeBlob(int around, int rings);
 void Append(const SolveMesh& part, const Eigen::RowVector3d& offset, SolveMesh* mesh);
 
 // A repeatable shuffle of 0..count-1.
-std::vector<int> Shuffle(int count, uint32_t seed);
+Vector<int> Shuffle(int count, uint32_t seed);
 
 // The same mesh with vertex v renamed to order[v]; bridges and components follow.
-SolveMesh Renumbered(const SolveMesh& mesh, const std::vector<int>& order);
+SolveMesh Renumbered(const SolveMesh& mesh, const Vector<int>& order);
 
 }  // namespace limber::test

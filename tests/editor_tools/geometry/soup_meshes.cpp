@@ -1,5 +1,7 @@
 #include "editor_tools/geometry/soup_meshes.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -52,7 +54,7 @@ bool IsFitToUse(const PointMatrix& flat, int a, int b, int c) {
 SolveMesh MakeIcosphere(int num_subdivisions) {
   SolveMesh mesh = MakeIcosahedron();
   for (int n = 0; n < num_subdivisions; ++n) {
-    std::vector<Eigen::RowVector3d> added;
+    Vector<Eigen::RowVector3d> added;
     std::map<std::pair<int, int>, int> middles;
     const int first = mesh.num_vertices();
     const auto middle = [&](int a, int b) {
@@ -61,7 +63,7 @@ SolveMesh MakeIcosphere(int num_subdivisions) {
       if (is_new) added.push_back((mesh.shapes[0].row(a) + mesh.shapes[0].row(b)).normalized());
       return it->second;
     };
-    std::vector<std::array<int, 3>> triangles;
+    Vector<std::array<int, 3>> triangles;
     for (const auto& [a, b, c] : mesh.triangles) {
       const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
       triangles.insert(triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
@@ -205,7 +207,7 @@ Eigen::MatrixXd SummedCotangents(const SolveMesh& mesh) {
 SolveMesh Rewound(const SolveMesh& mesh, uint32_t seed) {
   SolveMesh result = mesh;
   std::mt19937 random(seed);
-  const std::vector<int> order = Shuffle(static_cast<int>(mesh.triangles.size()), seed);
+  const Vector<int> order = Shuffle(static_cast<int>(mesh.triangles.size()), seed);
   for (size_t t = 0; t < order.size(); ++t) {
     std::array<int, 3> triangle = mesh.triangles[t];
     std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
@@ -216,8 +218,7 @@ SolveMesh Rewound(const SolveMesh& mesh, uint32_t seed) {
 }
 
 Eigen::VectorXd SolveWithFixed(const Eigen::MatrixXd& laplacian, const Eigen::VectorXd& right_side,
-                               const std::vector<bool>& is_fixed,
-                               const Eigen::VectorXd& fixed_values) {
+                               const Vector<bool>& is_fixed, const Eigen::VectorXd& fixed_values) {
   Eigen::MatrixXd matrix = laplacian;
   Eigen::VectorXd rhs = right_side;
   for (Eigen::Index v = 0; v < rhs.size(); ++v) {
@@ -233,8 +234,8 @@ Eigen::VectorXd SolveWithFixed(const Eigen::MatrixXd& laplacian, const Eigen::Ve
   return matrix.partialPivLu().solve(rhs);
 }
 
-std::vector<bool> OnOutline(const SolveMesh& mesh) {
-  std::vector<bool> on_outline;
+Vector<bool> OnOutline(const SolveMesh& mesh) {
+  Vector<bool> on_outline;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const double x = mesh.shapes[0](v, 0), y = mesh.shapes[0](v, 1);
     on_outline.push_back(x == 0 || y == 0 || x == 1 || y == 1);

@@ -1,6 +1,7 @@
 // Meshes that are hard on a Laplacian, made in code, and their plain cotangent matrix.
 #pragma once
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/solve_mesh.h"
 
@@ -8,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace limber::test {
 
@@ -46,10 +46,9 @@ SolveMesh Rewound(const SolveMesh& mesh, uint32_t seed);
 
 // Solves laplacian u = right_side where v is not fixed, u = fixed_values where it is.
 Eigen::VectorXd SolveWithFixed(const Eigen::MatrixXd& laplacian, const Eigen::VectorXd& right_side,
-                               const std::vector<bool>& is_fixed,
-                               const Eigen::VectorXd& fixed_values);
+                               const Vector<bool>& is_fixed, const Eigen::VectorXd& fixed_values);
 
 // The vertices of a mesh over the unit square that lie on its outline.
-std::vector<bool> OnOutline(const SolveMesh& mesh);
+Vector<bool> OnOutline(const SolveMesh& mesh);
 
 }  // namespace limber::test

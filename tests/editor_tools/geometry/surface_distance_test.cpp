@@ -1,4 +1,5 @@
 // Paths over the surface against their exact lengths where these are known.
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/geodesic.h"
 
@@ -12,7 +13,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <vector>
 
 namespace limber::geometry {
 namespace {
@@ -144,7 +144,7 @@ TEST(SurfaceDistance, NeverLongerThanAlongEdges_NorDependentOnNumbersOrScale) {
   const SolveMesh blob = test::MakeBlob(20, 16);
   const Eigen::VectorXd distance = SurfaceDistance(blob, 0).From(5);
   EXPECT_LE((distance - EdgeGraph(blob).Distances(std::array{5})).maxCoeff(), 1e-12);
-  const std::vector<int> order = test::Shuffle(blob.num_vertices(), 3);
+  const Vector<int> order = test::Shuffle(blob.num_vertices(), 3);
   SolveMesh other = test::Renumbered(blob, order);
   other.shapes[0] *= 1000;
   const Eigen::VectorXd renamed = SurfaceDistance(other, 0).From(order[5]);

@@ -1,5 +1,6 @@
 #include "geometry/tufted_cover.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/soup_meshes.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <set>
-#include <vector>
 
 namespace limber::geometry {
 namespace {
@@ -31,11 +31,11 @@ void ExpectClosedManifold(const IntrinsicTriangulation& cover) {
 }
 
 // Faces in each part of the cover that hangs together, ascending.
-std::vector<int> PartSizes(const IntrinsicTriangulation& cover) {
-  std::vector<int> part(static_cast<size_t>(cover.num_halfedges() / 3), -1), sizes;
+Vector<int> PartSizes(const IntrinsicTriangulation& cover) {
+  Vector<int> part(static_cast<size_t>(cover.num_halfedges() / 3), -1), sizes;
   for (size_t start = 0; start < part.size(); ++start) {
     if (part[start] >= 0) continue;
-    std::vector<int> open = {static_cast<int>(start)};
+    Vector<int> open = {static_cast<int>(start)};
     const int number = static_cast<int>(sizes.size());
     sizes.push_back(0);
     part[start] = number;
@@ -105,13 +105,13 @@ TEST(TuftedCover, AnySoup_IsAClosedManifold) {
 
 TEST(TuftedCover, ClosedSurface_HasTwoSheetsHoweverItIsWound) {
   const SolveMesh sphere = test::MakeIcosphere(1);
-  EXPECT_EQ(PartSizes(CoverOf(sphere)), (std::vector{80, 80}));
-  EXPECT_EQ(PartSizes(CoverOf(test::Rewound(sphere, 3))), (std::vector{80, 80}));
+  EXPECT_EQ(PartSizes(CoverOf(sphere)), (Vector<int>{80, 80}));
+  EXPECT_EQ(PartSizes(CoverOf(test::Rewound(sphere, 3))), (Vector<int>{80, 80}));
 }
 
 TEST(TuftedCover, SurfaceWithABorder_FoldsBackThere) {
   const SolveMesh grid = test::MakeGrid(3, 2);
-  EXPECT_EQ(PartSizes(CoverOf(test::Rewound(grid, 1))), std::vector{24});
+  EXPECT_EQ(PartSizes(CoverOf(test::Rewound(grid, 1))), Vector<int>{24});
 }
 
 TEST(TuftedCover, Book_PairsPagesThatFaceEachOther) {
@@ -121,7 +121,7 @@ TEST(TuftedCover, Book_PairsPagesThatFaceEachOther) {
   for (size_t t = 0; t < triangles.size(); ++t)
     book.triangles[t] = triangles[t % 12 + 12 * size_t(page_at[t / 12])];
   const IntrinsicTriangulation cover = CoverOf(book);
-  EXPECT_EQ(PartSizes(cover), std::vector{2 * 5 * 12});  // in one piece, around the open edges
+  EXPECT_EQ(PartSizes(cover), Vector<int>{2 * 5 * 12});  // in one piece, around the open edges
   // Across the spine each front or back meets the page before or after its own.
   int crossings = 0;
   for (int h = 0; h < cover.num_halfedges(); ++h) {
@@ -138,7 +138,7 @@ TEST(TuftedCover, CopiesOfTriangles_LieUponEachOther) {
   SolveMesh mesh = test::MakeIcosphere(0);
   const auto triangles = mesh.triangles;
   mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
-  std::vector<int> expected(20, 2);
+  Vector<int> expected(20, 2);
   expected.insert(expected.end(), {20, 20});
   EXPECT_EQ(PartSizes(CoverOf(mesh)), expected);
   for (uint32_t seed = 0; seed < 4; ++seed) {
@@ -150,22 +150,22 @@ TEST(TuftedCover, CopiesOfTriangles_LieUponEachOther) {
 TEST(TuftedCover, Order_DoesNotChangeWhichTrianglesMeet) {
   // As pairs of triangles (by their corners in the old numbering) across each edge of a book.
   const SolveMesh book = test::MakeBook(6);
-  const auto meetings = [](const SolveMesh& mesh, const std::vector<int>& name_of) {
+  const auto meetings = [](const SolveMesh& mesh, const Vector<int>& name_of) {
     const IntrinsicTriangulation cover = CoverOf(mesh);
-    std::multiset<std::vector<int>> result;
+    std::multiset<Vector<int>> result;
     for (int h = 0; h < cover.num_halfedges(); ++h) {
-      std::vector<int> meeting;
+      Vector<int> meeting;
       for (const int halfedge : {Previous(h), h, Next(h), Previous(cover.twin[h])})
         meeting.push_back(name_of[cover.tail[halfedge]]);
       result.insert(meeting);
     }
     return result;
   };
-  std::vector<int> names = test::Shuffle(book.num_vertices(), 0);
+  Vector<int> names = test::Shuffle(book.num_vertices(), 0);
   std::sort(names.begin(), names.end());
   const auto expected = meetings(book, names);
   for (uint32_t seed = 1; seed < 5; ++seed) {
-    const std::vector<int> order = test::Shuffle(book.num_vertices(), seed);
+    const Vector<int> order = test::Shuffle(book.num_vertices(), seed);
     for (size_t v = 0; v < order.size(); ++v)
       names[order[v]] = static_cast<int>(v);
     EXPECT_EQ(meetings(test::Rewound(test::Renumbered(book, order), seed), names), expected);

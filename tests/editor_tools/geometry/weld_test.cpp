@@ -1,5 +1,6 @@
 #include "geometry/weld.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@ PointMatrix Points(std::initializer_list<std::array<double, 3>> rows) {
 }
 
 // The partition that the welding makes of the draw vertices, whatever its numbers.
-std::set<std::set<int>> Partition(const SolveMesh& mesh, const std::vector<int>& name_of_draw) {
+std::set<std::set<int>> Partition(const SolveMesh& mesh, const Vector<int>& name_of_draw) {
   std::map<uint32_t, std::set<int>> sets;
   for (size_t d = 0; d < mesh.solve_vertex.size(); ++d) {
     sets[mesh.solve_vertex[d]].insert(name_of_draw[d]);
@@ -35,11 +36,11 @@ TEST(WeldMesh, Seam_BecomesOneVertex) {
   // Two triangles that share an edge by position only, as at a texture seam.
   const PointMatrix rest =
       Points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
-  const std::vector<uint32_t> triangles = {0, 1, 2, 3, 4, 5};
+  const Vector<uint32_t> triangles = {0, 1, 2, 3, 4, 5};
   const SolveMesh mesh = WeldMesh(std::span(&rest, 1), triangles, 0);
   EXPECT_EQ(mesh.num_vertices(), 4);
-  EXPECT_EQ(mesh.solve_vertex, (std::vector<uint32_t>{0, 1, 2, 1, 3, 2}));
-  EXPECT_EQ(mesh.triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}, {1, 3, 2}}));
+  EXPECT_EQ(mesh.solve_vertex, (Vector<uint32_t>{0, 1, 2, 1, 3, 2}));
+  EXPECT_EQ(mesh.triangles, (Vector<std::array<int, 3>>{{0, 1, 2}, {1, 3, 2}}));
   EXPECT_EQ(mesh.shapes[0].row(3), rest.row(4));
   EXPECT_TRUE(mesh.component.empty());
   EXPECT_TRUE(mesh.bridges.empty());
@@ -49,9 +50,9 @@ TEST(WeldMesh, ClosedLipsThatOpenInAnotherShape_StayApart) {
   const PointMatrix rest = Points({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}});
   PointMatrix open = rest;
   open(2, 1) = -0.5;
-  const std::vector<PointMatrix> shapes = {rest, open};
+  const Vector<PointMatrix> shapes = {rest, open};
   const SolveMesh mesh = WeldMesh(shapes, {}, 1e-3);
-  EXPECT_EQ(mesh.solve_vertex, (std::vector<uint32_t>{0, 1, 2, 1}));
+  EXPECT_EQ(mesh.solve_vertex, (Vector<uint32_t>{0, 1, 2, 1}));
 }
 
 TEST(WeldMesh, BaseCollapsedToAPoint_KeepsWhatOtherShapesTellApart) {
@@ -59,7 +60,7 @@ TEST(WeldMesh, BaseCollapsedToAPoint_KeepsWhatOtherShapesTellApart) {
   PointMatrix spread(count, 3);
   for (int i = 0; i < count; ++i)
     spread.row(i) << i, 2 * i, 0;
-  const std::vector<PointMatrix> shapes = {PointMatrix::Zero(count, 3), spread};
+  const Vector<PointMatrix> shapes = {PointMatrix::Zero(count, 3), spread};
   EXPECT_EQ(WeldMesh(shapes, {}, 1e-3).num_vertices(), count);
 }
 
@@ -87,7 +88,7 @@ TEST(WeldMesh, PairsAcrossCellBorders_AreFound) {
 
 TEST(WeldMesh, Chain_IsOneVertexInAnyOrder) {
   // Neighbours are within the tolerance, the ends are not: closeness is made transitive.
-  const std::vector<int> order = test::Shuffle(50, 7);
+  const Vector<int> order = test::Shuffle(50, 7);
   PointMatrix rest(50, 3);
   for (int i = 0; i < 50; ++i)
     rest.row(order[i]) << 0.9 * i, 0, 0;
@@ -101,17 +102,17 @@ TEST(WeldMesh, VertexOrder_ChangesOnlyTheNumbers) {
   rest << blob.shapes[0], blob.shapes[0];
   for (int v = 0; v < count; v += 10)
     rest.row(count + v).array() += 2e-3;
-  const std::vector<PointMatrix> shapes = {rest, -2 * rest};
-  std::vector<int> names(static_cast<size_t>(2 * count));
+  const Vector<PointMatrix> shapes = {rest, -2 * rest};
+  Vector<int> names(static_cast<size_t>(2 * count));
   for (size_t i = 0; i < names.size(); ++i)
     names[i] = static_cast<int>(i);
   const SolveMesh welded = WeldMesh(shapes, {}, 1e-3);
   EXPECT_EQ(welded.num_vertices(), count + (count + 9) / 10);
 
   for (const uint32_t seed : {1U, 2U, 3U}) {
-    const std::vector<int> order = test::Shuffle(2 * count, seed);
-    std::vector<PointMatrix> shuffled = shapes;
-    std::vector<int> name_of_draw(order.size());
+    const Vector<int> order = test::Shuffle(2 * count, seed);
+    Vector<PointMatrix> shuffled = shapes;
+    Vector<int> name_of_draw(order.size());
     for (int v = 0; v < 2 * count; ++v) {
       name_of_draw[order[v]] = v;
       for (size_t s = 0; s < shapes.size(); ++s)
@@ -130,7 +131,7 @@ TEST(WeldMesh, VertexOrder_ChangesOnlyTheNumbers) {
 
 TEST(WeldMesh, CollapsedTriangle_IsDropped) {
   const PointMatrix rest = Points({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 1, 0}});
-  const std::vector<uint32_t> triangles = {0, 1, 2, 0, 1, 3, 1, 1, 3};
+  const Vector<uint32_t> triangles = {0, 1, 2, 0, 1, 3, 1, 1, 3};
   EXPECT_EQ(WeldMesh(std::span(&rest, 1), triangles, 0).triangles.size(), 1U);
 }
 

@@ -2,6 +2,7 @@
 #include "gltf_edit/append_targets.h"
 
 #include "animation/clip_shapes.h"
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 
 #include <gtest/gtest.h>
@@ -45,12 +46,12 @@ bake::NewTarget TargetNamed(const std::string& name, size_t num_primitives) {
   return target;
 }
 
-Result<std::vector<uint8_t>> Append(const GltfFile& file, size_t num_primitives) {
+Result<Vector<uint8_t>> Append(const GltfFile& file, size_t num_primitives) {
   Result<bake::GltfPatch> patch = bake::GltfPatch::Begin(file);
   if (!patch.ok()) return patch.status();
-  const std::vector<bake::NewTarget> targets = {TargetNamed("a", num_primitives),
-                                                TargetNamed("b", num_primitives),
-                                                TargetNamed("c", num_primitives)};
+  const Vector<bake::NewTarget> targets = {TargetNamed("a", num_primitives),
+                                           TargetNamed("b", num_primitives),
+                                           TargetNamed("c", num_primitives)};
   LIMBER_RETURN_IF_ERROR(bake::AppendTargets(file, 0, targets, &*patch));
   return patch->Finish(true);
 }

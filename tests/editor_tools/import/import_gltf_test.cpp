@@ -1,6 +1,7 @@
 #include "import/import_gltf.h"
 
 #include "clips/node_transforms.h"
+#include "core/vector.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -69,10 +70,10 @@ TEST(ImportGltf, HandleMarks_AreBroughtIntoMeshSpace) {
 
 TEST(ImportGltf, BaseMesh_IsAShapeUnlessToldOtherwise) {
   const Json root = Scene({{{"mesh", 0}}});
-  EXPECT_EQ(Import(root)->shape_names, (std::vector<std::string>{"base", "target_0"}));
+  EXPECT_EQ(Import(root)->shape_names, (Vector<std::string>{"base", "target_0"}));
   bake::ImportOptions options;
   options.include_base = false;
-  EXPECT_EQ(Import(root, options)->shape_names, (std::vector<std::string>{"target_0"}));
+  EXPECT_EQ(Import(root, options)->shape_names, (Vector<std::string>{"target_0"}));
 }
 
 TEST(ImportGltf, SeveralCandidates_AreListedAndChosenByNameOrNumber) {

@@ -1,4 +1,5 @@
 // OBJ in, glTF out, and the source's own order back.
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "import/import_obj.h"
 #include "import/pack_obj.h"
@@ -29,7 +30,7 @@ TEST(ParseObj, PolygonsNegativeIndicesAndContinuedLines_AreRead) {
                            "vt 0.5\nvt 0 1 0\nvn 0 0 2\ns off\nusemtl paint\n"
                            "f 1//1 2//1 \\\n 3//1 4//1\nf -5/-1 5/1 3 # end\n");
   EXPECT_EQ(mesh.positions.size(), 6u);
-  EXPECT_EQ(mesh.face_sizes, (std::vector<uint32_t>{4, 3}));
+  EXPECT_EQ(mesh.face_sizes, (Vector<uint32_t>{4, 3}));
   ASSERT_EQ(mesh.corners.size(), 7u);
   EXPECT_EQ(mesh.corners[2].position, 2u);
   EXPECT_EQ(mesh.corners[2].normal, 0);
@@ -67,8 +68,8 @@ TEST(Fans, ConcaveQuad_IsCutWhereNoTriangleTurnsOver) {
   // An arrowhead: a fan about corner 0 or 2 would leave the polygon.
   const ObjMesh mesh = Obj("v 0 0 0\nv 4 -2 0\nv 1 0 0\nv 4 2 0\nf 2 3 4 1\n");
   const bake::FanTriangles fans = bake::CutIntoFans(mesh);
-  EXPECT_EQ(fans.starts, (std::vector<uint32_t>{1}));
-  EXPECT_EQ(fans.corners, (std::vector<uint32_t>{1, 2, 3, 1, 3, 0}));
+  EXPECT_EQ(fans.starts, (Vector<uint32_t>{1}));
+  EXPECT_EQ(fans.corners, (Vector<uint32_t>{1, 2, 3, 1, 3, 0}));
 }
 
 struct Packed {
@@ -77,8 +78,8 @@ struct Packed {
 };
 
 Packed Pack(const ObjMesh& base, const ObjMesh& shape) {
-  const std::vector<ObjMesh> shapes = {shape};
-  const std::vector<std::string> names = {"shape"};
+  const Vector<ObjMesh> shapes = {shape};
+  const Vector<std::string> names = {"shape"};
   const auto bytes = bake::PackMeshes(base, shapes, names, "thing");
   EXPECT_TRUE(bytes.ok()) << bytes.status().message();
   const auto file = GltfFile::Parse(*bytes, "packed");
@@ -100,13 +101,13 @@ TEST(PackObj, SourceVerticesAndPolygons_ComeBackInTheirOrder) {
   EXPECT_EQ(packed.raw.num_source_vertices, 6u);
   EXPECT_EQ(packed.faces.num_vertices, 6u);
   EXPECT_EQ(packed.faces.sizes, base.face_sizes);
-  std::vector<uint32_t> corners;
+  Vector<uint32_t> corners;
   for (const bake::ObjCorner& corner : base.corners)
     corners.push_back(corner.position);
   EXPECT_EQ(packed.faces.corners, corners);
   EXPECT_GT(packed.raw.num_draw_vertices(), 6) << "split where texture coordinates differ";
-  EXPECT_EQ(packed.raw.shape_names, (std::vector<std::string>{"base", "shape"}));
-  std::vector<bool> seen(6, false);
+  EXPECT_EQ(packed.raw.shape_names, (Vector<std::string>{"base", "shape"}));
+  Vector<bool> seen(6, false);
   for (int d = 0; d < packed.raw.num_draw_vertices(); ++d) {
     const uint32_t source = packed.raw.source_vertex[static_cast<size_t>(d)];
     seen[source] = true;
@@ -116,7 +117,7 @@ TEST(PackObj, SourceVerticesAndPolygons_ComeBackInTheirOrder) {
       EXPECT_NEAR(packed.raw.shapes[1](d, axis), shape.positions[source][a], 1e-7);
     }
   }
-  EXPECT_EQ(seen, std::vector<bool>(6, true)) << "also the vertex that no face uses";
+  EXPECT_EQ(seen, Vector<bool>(6, true)) << "also the vertex that no face uses";
 }
 
 TEST(PackObj, NormalsOfEqualValue_SplitNothing) {
@@ -128,9 +129,9 @@ TEST(PackObj, NormalsOfEqualValue_SplitNothing) {
 TEST(PackObj, OtherTopology_IsRefusedWithFileAndCounts) {
   ObjMesh base = Obj(std::string(kVertices) + "f 1 2 3\nf 1 3 4\n");
   base.file = "base.obj";
-  const std::vector<std::string> names = {"s"};
+  const Vector<std::string> names = {"s"};
   const auto refuse = [&](const std::string& text, std::initializer_list<const char*> parts) {
-    const std::vector<ObjMesh> shapes = {Obj(text)};
+    const Vector<ObjMesh> shapes = {Obj(text)};
     const Status status = bake::PackMeshes(base, shapes, names, "x").status();
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     for (const char* part : parts) {
@@ -150,14 +151,14 @@ TEST(PackObj, Files_NameShapesAfterThemselves) {
     std::ofstream(folder.path() / name) << kVertices << "f 1 2 3\n";
     return folder.path() / name;
   };
-  const std::vector<std::filesystem::path> shapes = {write("smile.obj"), write("frown.obj")};
+  const Vector<std::filesystem::path> shapes = {write("smile.obj"), write("frown.obj")};
   const auto out = folder.path() / "out.glb";
   const Status status = bake::PackObj(write("face.obj"), shapes, {}, out);
   ASSERT_TRUE(status.ok()) << status.message();
   const auto raw = bake::ImportGltf(out);
   ASSERT_TRUE(raw.ok()) << raw.status().message();
   EXPECT_EQ(raw->name, "face");
-  EXPECT_EQ(raw->shape_names, (std::vector<std::string>{"base", "smile", "frown"}));
+  EXPECT_EQ(raw->shape_names, (Vector<std::string>{"base", "smile", "frown"}));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Real files: Khronos samples and characters import with the counts that are known of them.
+#include "core/vector.h"
 #include "import/import_gltf.h"
 #include "import/pack_obj.h"
 #include "import/source_faces.h"
@@ -73,7 +74,7 @@ TEST(Samples, Horse_PacksAndComesBackInItsOwnOrder) {
   if (data.empty()) GTEST_SKIP() << "no shared data folder";
   const TemporaryFolder folder;
   const fs::path base = data / "horse/horse_ref.obj", out = folder.path() / "horse.glb";
-  std::vector<fs::path> shapes;
+  Vector<fs::path> shapes;
   for (const char* pose : {"01", "02", "03", "05"}) {
     shapes.push_back(data / ("horse/horse-" + std::string(pose) + ".obj"));
   }

@@ -1,13 +1,13 @@
 // Painted stiffness: where it is read from, and what is refused.
 #include "import/vertex_stiffness.h"
 
+#include "core/vector.h"
 #include "import/import_gltf.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <string>
-#include <vector>
 
 namespace limber::test {
 namespace {
@@ -43,7 +43,7 @@ Result<bake::RawCharacter> Import(const Json& attributes, const std::string& ask
   return bake::ImportGltf(*file, options);
 }
 
-using Factors = std::vector<float>;
+using Factors = Vector<float>;
 
 TEST(VertexStiffness, ComesFromTheAttributeOfThatName_OrTheOneAskedFor) {
   const Factors painted = {1, 10, 0.5f};
@@ -66,7 +66,7 @@ TEST(VertexStiffness, OfAColour_IsAPowerOfAHundred) {
 }
 
 void ExpectRefused(const Json& attributes, const std::string& asked, StatusCode code,
-                   const std::vector<const char*>& words) {
+                   const Vector<const char*>& words) {
   const auto raw = Import(attributes, asked);
   ASSERT_FALSE(raw.ok());
   EXPECT_EQ(raw.status().code(), code) << raw.status().message();

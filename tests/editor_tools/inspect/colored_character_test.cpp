@@ -1,6 +1,7 @@
 // What a character is dressed in is its own data.
 #include "inspect/colored_character.h"
 
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ TEST(ColorByWeight, TextureCoordinatesAreTheWeights) {
 TEST(ColorByGroup, EachTriangleHasTheColourOfMostOfItsCorners) {
   const auto rig = test::BakeInMemory(test::MakeBendCylinder(10, 12));
   ASSERT_NE(rig, nullptr);
-  std::vector<int> groups;
+  Vector<int> groups;
   for (uint32_t v = 0; v < rig->mesh().num_solve_vertices; ++v)
     groups.push_back(static_cast<int>(v * 7 / 3 % 5));
   const ColoredCharacter character = ColorByGroup(*rig, groups, Palette(5));
@@ -51,9 +52,9 @@ TEST(ColorByGroup, EachTriangleHasTheColourOfMostOfItsCorners) {
 }
 
 TEST(MixedByBlendWeights, ExamplesAloneKeepTheirColours) {
-  const std::vector<Color> colors = Palette(3);
-  const std::vector<double> blend = {1, 0, 0, 0, 0, 1, 0.5, 0.5, 0};
-  const std::vector<Color> mixed = MixedByBlendWeights(blend, colors);
+  const Vector<Color> colors = Palette(3);
+  const Vector<double> blend = {1, 0, 0, 0, 0, 1, 0.5, 0.5, 0};
+  const Vector<Color> mixed = MixedByBlendWeights(blend, colors);
   ASSERT_EQ(mixed.size(), 3u);
   EXPECT_EQ(mixed[0], colors[0]);
   EXPECT_EQ(mixed[1], colors[2]);

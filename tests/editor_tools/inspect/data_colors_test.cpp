@@ -1,6 +1,8 @@
 // Colours that can be read: lighter is more, and kinds differ.
 #include "inspect/data_colors.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,7 +62,7 @@ TEST(ScaleLegend, IsTheScaleWithALineAtEachTenth) {
 }
 
 TEST(Palette, NoTwoOfTwentyLookAlike) {
-  const std::vector<Color> colors = Palette(20);
+  const Vector<Color> colors = Palette(20);
   ASSERT_EQ(colors.size(), 20u);
   for (size_t a = 0; a < colors.size(); ++a) {
     for (size_t b = 0; b < a; ++b)
@@ -72,7 +74,7 @@ TEST(Palette, NoTwoOfTwentyLookAlike) {
 
 TEST(ExampleColors, TheFirstIsGreyAndTheOthersAreNot) {
   for (const int count : {1, 2, 10}) {
-    const std::vector<Color> colors = ExampleColors(count);
+    const Vector<Color> colors = ExampleColors(count);
     ASSERT_EQ(colors.size(), static_cast<size_t>(count));
     for (size_t s = 0; s < colors.size(); ++s) {
       const Oklab lab = ToOklab(colors[s]);

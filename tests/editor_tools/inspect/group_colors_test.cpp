@@ -1,6 +1,8 @@
 // Every group has a colour of its own, and groups side by side do not look alike.
 #include "inspect/group_colors.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +14,7 @@ namespace {
 // A grid of side x side patches, each a group, triangles across all borders.
 struct Patches {
   SkinMesh mesh;
-  std::vector<int> groups;
+  Vector<int> groups;
 };
 
 Patches MakePatches(uint32_t side) {
@@ -37,7 +39,7 @@ double Distance(const Color& x, const Color& y) {
   return std::hypot(p.lightness - q.lightness, p.a - q.a, p.b - q.b);
 }
 
-double LeastAcrossBorders(const Patches& patches, const std::vector<Color>& colors) {
+double LeastAcrossBorders(const Patches& patches, const Vector<Color>& colors) {
   double least = 1;
   const auto& triangles = patches.mesh.triangles;
   for (size_t i = 0; i < triangles.size(); ++i) {
@@ -50,8 +52,8 @@ double LeastAcrossBorders(const Patches& patches, const std::vector<Color>& colo
 
 TEST(GroupColors, AreAllOfThePalette) {
   const Patches patches = MakePatches(5);
-  std::vector<Color> colors = GroupColors(patches.mesh, patches.groups, 25);
-  std::vector<Color> palette = Palette(25);
+  Vector<Color> colors = GroupColors(patches.mesh, patches.groups, 25);
+  Vector<Color> palette = Palette(25);
   std::sort(colors.begin(), colors.end());
   std::sort(palette.begin(), palette.end());
   EXPECT_EQ(colors, palette);

@@ -1,5 +1,6 @@
 // The colours arrive in the picture: at a handle the top of the scale, far away its bottom; each
 // group's own; those of the examples that the pose is made of.
+#include "core/vector.h"
 #include "inspect/colored_character.h"
 #include "inspect/group_colors.h"
 #include "runtime/skin_vulkan/test_device.h"
@@ -101,10 +102,10 @@ TEST_F(InspectPictures, Weights_AreYellowAtTheirHandleAndBlueAtOthers) {
 TEST_F(InspectPictures, Groups_HaveTheirColours) {
   const auto rig = test::BakeInMemory(test::MakeStretchSquare(16));
   ASSERT_NE(rig, nullptr);
-  std::vector<int> groups;
+  Vector<int> groups;
   for (uint32_t v = 0; v < rig->mesh().num_solve_vertices; ++v)
     groups.push_back(test::ShapePosition(*rig, 0, v).x() < 0.5 ? 0 : 1);
-  const std::vector<Color> colors = Palette(2);
+  const Vector<Color> colors = Palette(2);
   const Drawn drawn = Draw(rig, ColorByGroup(*rig, groups, colors));
   const auto& handles = rig->tables().handles;
   for (const size_t side : {0u, 1u}) {
@@ -147,8 +148,8 @@ TEST_F(InspectPictures, Weights_HaveALineAtEachTenth) {
 TEST_F(InspectPictures, Examples_APosedExampleHasItsColour) {
   const auto rig = test::BakeInMemory(test::MakeStretchSquare(16));
   ASSERT_NE(rig, nullptr);
-  const std::vector<int> groups(rig->mesh().num_solve_vertices, 0);
-  const std::vector<Color> colors = ExampleColors(rig->tables().num_shapes());
+  const Vector<int> groups(rig->mesh().num_solve_vertices, 0);
+  const Vector<Color> colors = ExampleColors(rig->tables().num_shapes());
   for (int s = 0; s < rig->tables().num_shapes(); ++s) {
     PoseState state = PoseState::Create(rig).value();
     for (const int handle : {0, 2}) {
@@ -177,7 +178,7 @@ TEST_F(InspectPictures, Examples_APosedExampleHasItsColour) {
 TEST_F(InspectPictures, Shading_LeavesColoursReadable) {
   const auto rig = test::BakeInMemory(test::MakeBendCylinder(24, 24));
   ASSERT_NE(rig, nullptr);
-  const std::vector<int> groups(rig->mesh().num_solve_vertices, 0);
+  const Vector<int> groups(rig->mesh().num_solve_vertices, 0);
   double least = 1, most = 0;
   for (const Color& color : Palette(6)) {
     const Drawn drawn = Draw(rig, ColorByGroup(*rig, groups, {color}));
@@ -202,14 +203,14 @@ TEST_F(InspectPictures, Groups_AreAsManyAsTheirColours) {
   const auto rig = test::BakeInMemory(test::MakeStretchSquare(16));
   ASSERT_NE(rig, nullptr);
   constexpr int kGroups = 9;
-  std::vector<int> groups;
+  Vector<int> groups;
   for (uint32_t v = 0; v < rig->mesh().num_solve_vertices; ++v) {
     const auto p = test::ShapePosition(*rig, 0, v);
     groups.push_back(std::min(2, int(3 * p.x())) + 3 * std::min(2, int(3 * (p.y() + 0.5))));
   }
-  const std::vector<Color> colors = GroupColors(rig->mesh(), groups, kGroups);
+  const Vector<Color> colors = GroupColors(rig->mesh(), groups, kGroups);
   const Drawn drawn = Draw(rig, ColorByGroup(*rig, groups, colors));
-  std::vector<int> num_pixels(kGroups, 0);
+  Vector<int> num_pixels(kGroups, 0);
   for (uint32_t y = 0; y < kHeight; ++y) {
     for (uint32_t x = 0; x < kWidth; ++x) {
       for (size_t g = 0; g < colors.size(); ++g)

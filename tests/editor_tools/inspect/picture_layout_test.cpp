@@ -1,15 +1,16 @@
 #include "inspect/picture_layout.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <vector>
 
 namespace limber::inspect {
 namespace {
 
 viewer::Image Plain(uint32_t width, uint32_t height, uint8_t value) {
-  return {width, height, std::vector<uint8_t>(size_t{width} * height * 4, value)};
+  return {width, height, Vector<uint8_t>(size_t{width} * height * 4, value)};
 }
 
 TEST(ContactSheet, EveryPictureHasItsPlace) {

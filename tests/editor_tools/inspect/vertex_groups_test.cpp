@@ -2,6 +2,7 @@
 #include "inspect/vertex_groups.h"
 
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "load/rig_loader.h"
@@ -26,7 +27,7 @@ class VertexGroups : public ::testing::Test {
   }
 
   // Writes the bake and reads its groups back.
-  Result<std::vector<int>> WriteAndRead() {
+  Result<Vector<int>> WriteAndRead() {
     const auto path = folder_.path() / "baked.glb";
     const Status written = bake::WriteBaked(source_, raw_, baked_, path);
     if (!written.ok()) return written;

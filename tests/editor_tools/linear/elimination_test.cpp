@@ -1,6 +1,7 @@
 // Orders of elimination, and what they are said to cost.
 #include "linear/elimination.h"
 
+#include "core/vector.h"
 #include "linear/nested_dissection.h"
 #include "symmetric_matrices.h"
 
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <vector>
 
 namespace limber::linear {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::SparseMatrix;
 
-void ExpectPermutation(const std::vector<int>& places, int size) {
-  std::vector<int> sorted = places;
+void ExpectPermutation(const Vector<int>& places, int size) {
+  Vector<int> sorted = places;
   std::sort(sorted.begin(), sorted.end());
   ASSERT_EQ(sorted.size(), size_t(size));
   for (int i = 0; i < size; ++i)
@@ -40,14 +40,14 @@ TEST(NestedDissection, EveryColumnHasAPlace) {
 TEST(NestedDissection, LastOfAll_IsANarrowSeparator) {
   constexpr int kSide = 60, kCount = kSide * kSide;
   const SparseMatrix<double> Q = GridBiharmonic(kSide);
-  const std::vector<int> places = NestedDissection(Q);
+  const Vector<int> places = NestedDissection(Q);
   // Parts that the columns before the separator fall into.
   const int cut = kCount - 3 * kSide;
-  std::vector<int> part(kCount, -1);
+  Vector<int> part(kCount, -1);
   int parts = 0, largest = 0;
   for (int seed = 0; seed < kCount; ++seed) {
     if (places[size_t(seed)] >= cut || part[size_t(seed)] >= 0) continue;
-    std::vector<int> reached = {seed};
+    Vector<int> reached = {seed};
     part[size_t(seed)] = parts;
     for (size_t i = 0; i < reached.size(); ++i) {
       for (SparseMatrix<double>::InnerIterator it(Q, reached[i]); it; ++it) {
@@ -65,16 +65,16 @@ TEST(NestedDissection, LastOfAll_IsANarrowSeparator) {
 }
 
 // Which entries of L are not zero, by elimination of the dense pattern.
-std::vector<int> CountsSlowly(const SparseMatrix<double>& Q, const std::vector<int>& places) {
+Vector<int> CountsSlowly(const SparseMatrix<double>& Q, const Vector<int>& places) {
   const auto n = static_cast<int>(Q.cols());
-  std::vector<std::vector<bool>> full(size_t(n), std::vector<bool>(size_t(n), false));
+  Vector<Vector<bool>> full(size_t(n), Vector<bool>(size_t(n), false));
   for (int column = 0; column < n; ++column) {
     for (SparseMatrix<double>::InnerIterator it(Q, column); it; ++it)
       full[size_t(places[size_t(it.row())])][size_t(places[size_t(column)])] = true;
   }
-  std::vector<int> counts;
+  Vector<int> counts;
   for (int k = 0; k < n; ++k) {
-    std::vector<int> below;
+    Vector<int> below;
     for (int row = k + 1; row < n; ++row) {
       if (full[size_t(row)][size_t(k)]) below.push_back(row);
     }
@@ -90,9 +90,9 @@ std::vector<int> CountsSlowly(const SparseMatrix<double>& Q, const std::vector<i
 TEST(Elimination, CountsAreThoseOfTheDensePattern) {
   for (const SparseMatrix<double>& Q :
        {RandomMatrix(1, 1, 1), RandomMatrix(60, 2, 4), RandomMatrix(90, 1, 5), GridBiharmonic(9)}) {
-    std::vector<int> given(static_cast<size_t>(Q.cols()));
+    Vector<int> given(static_cast<size_t>(Q.cols()));
     std::iota(given.rbegin(), given.rend(), 0);
-    for (const std::vector<int>& order : {given, NestedDissection(Q)}) {
+    for (const Vector<int>& order : {given, NestedDissection(Q)}) {
       const Elimination elimination = Eliminate(Q, order);
       ExpectPermutation(elimination.new_of_old, static_cast<int>(Q.cols()));
       EXPECT_EQ(elimination.counts, CountsSlowly(Q, elimination.new_of_old));
@@ -103,7 +103,7 @@ TEST(Elimination, CountsAreThoseOfTheDensePattern) {
 TEST(Elimination, ColumnsComeRightAfterTheirSubtree) {
   const Elimination elimination = EliminateInGoodOrder(RandomMatrix(200, 1, 3));
   const auto n = static_cast<int>(elimination.parents.size());
-  std::vector<int> first(static_cast<size_t>(n)), size(static_cast<size_t>(n), 1);
+  Vector<int> first(static_cast<size_t>(n)), size(static_cast<size_t>(n), 1);
   std::iota(first.begin(), first.end(), 0);
   for (int column = 0; column < n; ++column) {
     const int parent = elimination.parents[size_t(column)];
@@ -119,7 +119,7 @@ TEST(Elimination, TheBetterOrderIsTaken) {
   const SparseMatrix<double> grid = GridBiharmonic(60);
   const double dissected = Eliminate(grid, NestedDissection(grid)).Multiplications();
   EXPECT_LE(EliminateInGoodOrder(grid).Multiplications(), dissected);
-  std::vector<int> given(static_cast<size_t>(grid.cols()));
+  Vector<int> given(static_cast<size_t>(grid.cols()));
   std::iota(given.begin(), given.end(), 0);
   EXPECT_LT(dissected, 0.5 * Eliminate(grid, given).Multiplications());
 }

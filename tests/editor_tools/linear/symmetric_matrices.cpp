@@ -1,7 +1,8 @@
 #include "symmetric_matrices.h"
 
+#include "core/vector.h"
+
 #include <random>
-#include <vector>
 
 namespace limber::linear {
 
@@ -11,7 +12,7 @@ SparseMatrix<double> RandomMatrix(int size, int per_row, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> column(0, size - 1);
   std::uniform_real_distribution<double> number(-1, 1);
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   for (int row = 0; row < size; ++row) {
     entries.emplace_back(row, row, 3.0 * per_row);
     for (int i = 0; i < per_row; ++i) {
@@ -27,7 +28,7 @@ SparseMatrix<double> RandomMatrix(int size, int per_row, uint32_t seed) {
 }
 
 SparseMatrix<double> GridBiharmonic(int side) {
-  std::vector<Eigen::Triplet<double>> entries;
+  Vector<Eigen::Triplet<double>> entries;
   const auto edge = [&](int a, int b) {
     entries.emplace_back(a, a, 1);
     entries.emplace_back(b, b, 1);

@@ -1,6 +1,7 @@
 // The player without a window: a pointer in pixels, a character and a camera.
 #include "viewer/play_controls.h"
 
+#include "core/vector.h"
 #include "play_rigs.h"
 
 #include <gtest/gtest.h>
@@ -254,7 +255,7 @@ TEST_F(PlayControlsTest, Reset_BringsTheRestPoseBack) {
   Load(test::BakeCylinder());
   const Result<std::span<const Vec3>> rest = character_->SolvePositions();
   ASSERT_TRUE(rest.ok());
-  const std::vector<Vec3> before(rest->begin(), rest->end());
+  const Vector<Vec3> before(rest->begin(), rest->end());
   PressHandle("top");
   controls_->PointerMoved(650, 420);
   Settle();

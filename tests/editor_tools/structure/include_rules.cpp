@@ -1,5 +1,7 @@
 #include "include_rules.h"
 
+#include "core/vector.h"
+
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -106,9 +108,8 @@ void CheckFile(const fs::path& source_folder, const fs::path& file, IncludeRepor
 
 }  // namespace
 
-std::vector<fs::path> SourcesBelow(const fs::path& folder,
-                                   const std::vector<std::string>& extensions) {
-  std::vector<fs::path> files;
+Vector<fs::path> SourcesBelow(const fs::path& folder, const Vector<std::string>& extensions) {
+  Vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     const std::string extension = entry.path().extension().string();

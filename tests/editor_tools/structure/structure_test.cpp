@@ -1,4 +1,5 @@
 // The tree keeps its shape: includes point one way, and no file grows into two things.
+#include "core/vector.h"
 #include "include_rules.h"
 #include "support/temporary_folder.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Joined(const std::vector<std::string>& lines) {
+std::string Joined(const Vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines)
     text += line + "\n";
@@ -38,7 +39,7 @@ TEST(IncludeDirection, WholeTree_HasNoViolation) {
 }
 
 TEST(IncludeDirection, ForbiddenIncludes_AreFound) {
-  const std::vector<std::pair<std::string, std::string>> cases = {
+  const Vector<std::pair<std::string, std::string>> cases = {
       {"runtime/core/a.cpp", "#include \"bake/bake.h\""},
       {"runtime/skin/a.cpp", "  #  include \"import/raw_character.h\""},
       {"runtime/solve/a.h", "#include <tiny_gltf.h>"},
@@ -59,7 +60,7 @@ TEST(IncludeDirection, ForbiddenIncludes_AreFound) {
 }
 
 TEST(IncludeDirection, AllowedIncludes_PassAndAreCounted) {
-  const std::vector<std::pair<std::string, std::string>> cases = {
+  const Vector<std::pair<std::string, std::string>> cases = {
       {"runtime/solve/a.cpp", "#include \"rig/rig.h\""},
       {"runtime/skin_vulkan/a.cpp", "#include <vulkan/vulkan.h>"},
       {"editor_tools/viewer/a.cpp", "#include \"solve/pose_solver.h\""},

@@ -1,10 +1,11 @@
 #include "threads/parallel_for.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <stdexcept>
-#include <vector>
 
 namespace limber::threads {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 TEST(ParallelFor, EveryRoundOnce) {
   for (const int count : {0, 1, 2, 100}) {
     for (const int threads : {0, 1, 3, 200}) {
-      std::vector<std::atomic<int>> rounds(static_cast<size_t>(count));
+      Vector<std::atomic<int>> rounds(static_cast<size_t>(count));
       ParallelFor(count, threads, [&](int i) { ++rounds[static_cast<size_t>(i)]; });
       for (const std::atomic<int>& times : rounds)
         EXPECT_EQ(times, 1) << count << " rounds on " << threads;

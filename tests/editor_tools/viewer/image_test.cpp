@@ -1,5 +1,6 @@
 #include "viewer/image.h"
 
+#include "core/vector.h"
 #include "support/temporary_folder.h"
 #include "viewer/texture.h"
 
@@ -62,11 +63,11 @@ TEST(DecodeImage, PngInMemory_IsDecodedAndHostileOnesAreNot) {
   const Image image = Gradient(5, 3);
   ASSERT_TRUE(WritePng(path, image).ok());
   std::ifstream file(path, std::ios::binary);
-  std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(file)), {});
+  Vector<uint8_t> bytes((std::istreambuf_iterator<char>(file)), {});
   ASSERT_TRUE(DecodeImage(bytes).ok());
   EXPECT_EQ(DecodeImage(bytes)->rgba, image.rgba);
   // A header that promises 65,536 pixels a side.
-  std::vector<uint8_t> bomb = bytes;
+  Vector<uint8_t> bomb = bytes;
   bomb[17] = 1;
   EXPECT_FALSE(DecodeImage(bomb).ok());
   bytes.resize(bytes.size() / 2);

@@ -1,5 +1,6 @@
 #include "viewer/materials.h"
 
+#include "core/vector.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -73,7 +74,7 @@ void ExpectTextured(const Result<MaterialSet>& set) {
   EXPECT_TRUE(material.double_sided);
   EXPECT_TRUE(material.unlit);
   ASSERT_EQ(set->images.size(), 1u);
-  EXPECT_EQ(set->images[0].rgba, std::vector<uint8_t>(16, 200));
+  EXPECT_EQ(set->images[0].rgba, Vector<uint8_t>(16, 200));
   EXPECT_TRUE(set->warnings.empty());
 }
 

@@ -1,5 +1,7 @@
 #include "bake/bounded_quadratic.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -8,7 +10,6 @@
 #include <functional>
 #include <numeric>
 #include <random>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -102,8 +103,8 @@ Problem ProblemWithAnEnd(int size, int held, uint32_t seed) {
   return problem;
 }
 
-std::vector<int> UpTo(int count) {
-  std::vector<int> numbers(static_cast<size_t>(count));
+Vector<int> UpTo(int count) {
+  Vector<int> numbers(static_cast<size_t>(count));
   std::iota(numbers.begin(), numbers.end(), 0);
   return numbers;
 }

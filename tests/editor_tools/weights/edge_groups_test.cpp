@@ -1,5 +1,6 @@
 #include "bake/edge_groups.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/cotangent.h"
@@ -28,7 +29,7 @@ MatrixXd ClusteredRows(int centres, int each) {
   return rows;
 }
 
-std::set<std::set<int>> Partition(const std::vector<int>& group, const std::vector<int>& name) {
+std::set<std::set<int>> Partition(const Vector<int>& group, const Vector<int>& name) {
   std::map<int, std::set<int>> sets;
   for (size_t v = 0; v < group.size(); ++v)
     sets[group[v]].insert(name[v]);
@@ -40,7 +41,7 @@ std::set<std::set<int>> Partition(const std::vector<int>& group, const std::vect
 
 TEST(ClusterVertices, PlantedClusters_AreFound) {
   int num_groups = 0;
-  const std::vector<int> group = ClusterVertices(ClusteredRows(5, 20), 5, &num_groups);
+  const Vector<int> group = ClusterVertices(ClusteredRows(5, 20), 5, &num_groups);
   EXPECT_EQ(num_groups, 5);
   for (size_t v = 0; v < group.size(); ++v)
     EXPECT_EQ(group[v], group[v % 5]);
@@ -49,11 +50,11 @@ TEST(ClusterVertices, PlantedClusters_AreFound) {
 
 TEST(ClusterVertices, RowOrder_ChangesOnlyTheNumbers) {
   const MatrixXd rows = ClusteredRows(4, 30);
-  const std::vector<int> order = test::Shuffle(120, 9);
+  const Vector<int> order = test::Shuffle(120, 9);
   MatrixXd shuffled(rows.rows(), rows.cols());
   for (int v = 0; v < 120; ++v)
     shuffled.row(order[v]) = rows.row(v);
-  std::vector<int> names(120), names_shuffled(120);
+  Vector<int> names(120), names_shuffled(120);
   for (int v = 0; v < 120; ++v)
     names_shuffled[order[v]] = names[v] = v;
   int num_groups = 0;
@@ -66,9 +67,9 @@ TEST(ClusterVertices, FewerDistinctRowsThanWanted_GivesFewerGroups) {
   for (int v = 0; v < 9; ++v)
     rows(v, v % 3) = 1;
   int num_groups = 0;
-  const std::vector<int> group = ClusterVertices(rows, 6, &num_groups);
+  const Vector<int> group = ClusterVertices(rows, 6, &num_groups);
   EXPECT_EQ(num_groups, 3);
-  EXPECT_EQ(group, (std::vector<int>{0, 1, 2, 0, 1, 2, 0, 1, 2}));
+  EXPECT_EQ(group, (Vector<int>{0, 1, 2, 0, 1, 2, 0, 1, 2}));
   ClusterVertices(MatrixXd::Ones(5, 1), 2, &num_groups);
   EXPECT_EQ(num_groups, 1);
 }
@@ -81,7 +82,7 @@ TEST(ClusterVertices, EveryRow_IsNearestToItsOwnMean) {
     rows.row(v) /= rows.row(v).sum();
   }
   int num_groups = 0;
-  const std::vector<int> group = ClusterVertices(rows, 8, &num_groups);
+  const Vector<int> group = ClusterVertices(rows, 8, &num_groups);
   MatrixXd means = MatrixXd::Zero(num_groups, 4);
   Eigen::VectorXd counts = Eigen::VectorXd::Zero(num_groups);
   for (int v = 0; v < 400; ++v) {
@@ -103,7 +104,7 @@ TEST(BuildGroupEdges, WeightsOfAnEdge_SumToItsCotangentWeight) {
   }
   test::Append(test::MakeGrid(1, 1), {4, 2, 1}, &mesh);
   geometry::ConnectComponents(&mesh);
-  std::vector<int> group(static_cast<size_t>(mesh.num_vertices()));
+  Vector<int> group(static_cast<size_t>(mesh.num_vertices()));
   for (size_t v = 0; v < group.size(); ++v)
     group[v] = static_cast<int>(v * v / 7 % 4);
 
@@ -130,7 +131,7 @@ TEST(BuildGroupEdges, SpokesAndRims_OneTriangle) {
   mesh.shapes = {geometry::PointMatrix(3, 3)};
   mesh.shapes[0] << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75), 0;
   mesh.triangles = {{0, 1, 2}};
-  const std::vector<GroupEdge> edges = BuildGroupEdges(mesh, {0, 0, 1});
+  const Vector<GroupEdge> edges = BuildGroupEdges(mesh, {0, 0, 1});
   ASSERT_EQ(edges.size(), 6U);
   const double whole = 0.5 / std::sqrt(3.0);
   for (size_t e = 0; e < 6; ++e) {
@@ -142,10 +143,10 @@ TEST(BuildGroupEdges, SpokesAndRims_OneTriangle) {
 TEST(BuildGroupEdges, AreSortedPositiveAndDistinct) {
   SolveMesh mesh = test::MakeBlob(14, 10);
   mesh.shapes[0].row(30) = mesh.shapes[0].row(31);  // degenerate triangles among them
-  std::vector<int> group(static_cast<size_t>(mesh.num_vertices()));
+  Vector<int> group(static_cast<size_t>(mesh.num_vertices()));
   for (size_t v = 0; v < group.size(); ++v)
     group[v] = static_cast<int>(v / 29);
-  const std::vector<GroupEdge> edges = BuildGroupEdges(mesh, group);
+  const Vector<GroupEdge> edges = BuildGroupEdges(mesh, group);
   for (size_t e = 0; e < edges.size(); ++e) {
     EXPECT_LT(edges[e].i, edges[e].j);
     EXPECT_GT(edges[e].weight, 0);

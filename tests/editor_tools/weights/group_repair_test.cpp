@@ -1,6 +1,7 @@
 // Edge groups end up in one piece each.
 #include "bake/group_repair.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/union_find.h"
@@ -9,7 +10,6 @@
 
 #include <map>
 #include <random>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using geometry::SolveMesh;
 
 // Pieces that each group falls into.
-std::map<int, int> NumPieces(const SolveMesh& mesh, const std::vector<int>& group) {
+std::map<int, int> NumPieces(const SolveMesh& mesh, const Vector<int>& group) {
   geometry::UnionFind sets(mesh.num_vertices());
   const auto unite = [&](int a, int b) {
     if (group[size_t(a)] == group[size_t(b)]) sets.Unite(a, b);
@@ -51,10 +51,10 @@ TEST(ConnectGroups, RandomGroups_EndInOnePieceEach) {
   geometry::ConnectComponents(&mesh);
   for (uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
-    std::vector<int> group(size_t(mesh.num_vertices()));
+    Vector<int> group(size_t(mesh.num_vertices()));
     for (int& g : group)
       g = int(random() % 7);
-    const std::vector<int> before = group;
+    const Vector<int> before = group;
     const int moved = ConnectGroups(mesh, RandomRows(mesh.num_vertices(), 3, seed), 7, &group);
     int different = 0;
     for (size_t v = 0; v < group.size(); ++v)
@@ -71,10 +71,10 @@ TEST(ConnectGroups, RandomGroups_EndInOnePieceEach) {
 
 TEST(ConnectGroups, ConnectedGroups_StayAsTheyAre) {
   const SolveMesh mesh = test::MakeGrid(12, 4);
-  std::vector<int> group(size_t(mesh.num_vertices()));
+  Vector<int> group(size_t(mesh.num_vertices()));
   for (size_t v = 0; v < group.size(); ++v)
     group[v] = int(mesh.shapes[0](Eigen::Index(v), 0)) / 5;
-  const std::vector<int> before = group;
+  const Vector<int> before = group;
   EXPECT_EQ(ConnectGroups(mesh, RandomRows(mesh.num_vertices(), 2, 1), 3, &group), 0);
   EXPECT_EQ(group, before);
 }
@@ -83,7 +83,7 @@ TEST(ConnectGroups, ConnectedGroups_StayAsTheyAre) {
 TEST(ConnectGroups, ACrumb_JoinsTheLikerNeighbour) {
   const SolveMesh mesh = test::MakeGrid(11, 2);
   MatrixXd weights(mesh.num_vertices(), 2);
-  std::vector<int> group(size_t(mesh.num_vertices()));
+  Vector<int> group(size_t(mesh.num_vertices()));
   for (Eigen::Index v = 0; v < weights.rows(); ++v) {
     const double x = mesh.shapes[0](v, 0);
     group[size_t(v)] = x < 6 ? 0 : x < 9 ? 1 : 2;
@@ -91,7 +91,7 @@ TEST(ConnectGroups, ACrumb_JoinsTheLikerNeighbour) {
     weights(v, 1) = 1 - weights(v, 0);
   }
   for (const double like : {0.9, 0.1}) {
-    std::vector<int> crumbed = group;
+    Vector<int> crumbed = group;
     MatrixXd own = weights;
     for (Eigen::Index v = 0; v < weights.rows(); ++v) {
       if (mesh.shapes[0](v, 0) != 6) continue;

@@ -2,6 +2,7 @@
 #include "bake/heat_weights.h"
 
 #include "bake/skinning_weights.h"
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/geodesic.h"
@@ -19,7 +20,7 @@ namespace {
 using Eigen::MatrixXd;
 using geometry::SolveMesh;
 
-const std::vector<int> kHandles = {192, 193, 85, 92};
+const Vector<int> kHandles = {192, 193, 85, 92};
 
 SolveMesh Blob() {
   SolveMesh mesh = test::MakeBlob(16, 12);
@@ -27,7 +28,7 @@ SolveMesh Blob() {
   return mesh;
 }
 
-MatrixXd Weights(const SolveMesh& mesh, const std::vector<int>& handles, int num_threads = 1) {
+MatrixXd Weights(const SolveMesh& mesh, const Vector<int>& handles, int num_threads = 1) {
   Result<MatrixXd> weights = HeatWeights(mesh, handles, num_threads, {});
   EXPECT_TRUE(weights.ok()) << weights.status().message();
   return weights.ok() ? *weights
@@ -35,7 +36,7 @@ MatrixXd Weights(const SolveMesh& mesh, const std::vector<int>& handles, int num
 }
 
 // The equation by its definition, dense, and neither clamped nor normalised.
-MatrixXd SolveSlowly(const SolveMesh& mesh, const std::vector<int>& handles) {
+MatrixXd SolveSlowly(const SolveMesh& mesh, const Vector<int>& handles) {
   const geometry::RobustLaplacian surface = geometry::MakeRobustLaplacian(mesh);
   const geometry::EdgeGraph graph(mesh);
   const int count = mesh.num_vertices();

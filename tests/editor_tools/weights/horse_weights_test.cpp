@@ -1,5 +1,6 @@
 #include "bake/edge_groups.h"
 #include "bake/skinning_weights.h"
+#include "core/vector.h"
 #include "editor_tools/weights/read_obj.h"
 #include "geometry/bridges.h"
 #include "geometry/extremities.h"
@@ -23,7 +24,7 @@ TEST(HorseWeights, TenHandles_ReachTheOptimum) {
   geometry::ConnectComponents(&mesh);
   ASSERT_EQ(mesh.num_vertices(), 8431);
   EXPECT_EQ(mesh.num_components, 1);
-  const std::vector<int> handles = geometry::SpreadPoints(mesh, 10);
+  const Vector<int> handles = geometry::SpreadPoints(mesh, 10);
   ASSERT_EQ(handles.size(), 10U);
   WeightsReport report;
   double last_fraction = -1;

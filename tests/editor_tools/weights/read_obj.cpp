@@ -1,5 +1,7 @@
 #include "editor_tools/weights/read_obj.h"
 
+#include "core/vector.h"
+
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -8,7 +10,7 @@ namespace limber::test {
 
 ObjMesh ReadObj(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  std::vector<double> coordinates;
+  Vector<double> coordinates;
   ObjMesh mesh;
   std::string line, word;
   while (std::getline(stream, line)) {
@@ -18,7 +20,7 @@ ObjMesh ReadObj(const std::filesystem::path& file) {
       for (double x = 0; words >> x;)
         coordinates.push_back(x);
     } else if (word == "f") {
-      std::vector<uint32_t> corners;
+      Vector<uint32_t> corners;
       while (words >> word)
         corners.push_back(static_cast<uint32_t>(std::stoul(word)) - 1);
       for (size_t i = 2; i < corners.size(); ++i) {

@@ -1,17 +1,17 @@
 // The least of an OBJ reader, for test data.
 #pragma once
 
+#include "core/vector.h"
 #include "geometry/solve_mesh.h"
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
 
 namespace limber::test {
 
 struct ObjMesh {
   geometry::PointMatrix points;
-  std::vector<uint32_t> triangles;  // polygons cut into fans
+  Vector<uint32_t> triangles;  // polygons cut into fans
 };
 
 // Positions and faces of the file; empty where it cannot be read.

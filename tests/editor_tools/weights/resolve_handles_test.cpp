@@ -1,5 +1,6 @@
 #include "bake/resolve_handles.h"
 
+#include "core/vector.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
 #include "support/test_meshes.h"
@@ -50,7 +51,7 @@ HandleSpec AtPosition(const char* name, Vec3 position) {
   return spec;
 }
 
-Status Resolve(const std::vector<HandleSpec>& specs) {
+Status Resolve(const Vector<HandleSpec>& specs) {
   const RawCharacter raw = SplitSquare();
   return ResolveHandles(raw, Welded(raw), specs).status();
 }
@@ -69,7 +70,7 @@ TEST(ResolveHandles, VerticesAndPositions_LandOnTheirSolveVertices) {
   ASSERT_EQ(mesh.num_vertices(), 49);
   HandleSpec free_one = AtPosition("b", {0.49F, 0.01F, 0.2F});  // off the surface
   free_one.pinned = false;
-  const std::vector<HandleSpec> specs = {AtVertex("a", 48), free_one, AtVertex("c", 0)};
+  const Vector<HandleSpec> specs = {AtVertex("a", 48), free_one, AtVertex("c", 0)};
   const auto resolved = ResolveHandles(raw, mesh, specs);
   ASSERT_TRUE(resolved.ok()) << resolved.status().message();
   ASSERT_EQ(resolved->size(), 3U);
@@ -108,7 +109,7 @@ TEST(ResolveHandles, Errors_NameTheHandle) {
 TEST(ChooseHandles, ComeBackFromResolvingWhereTheyWereChosen) {
   const RawCharacter raw = SplitSquare();
   const geometry::SolveMesh mesh = Welded(raw);
-  const std::vector<HandleSpec> chosen = ChooseHandles(raw, mesh, 6);
+  const Vector<HandleSpec> chosen = ChooseHandles(raw, mesh, 6);
   ASSERT_EQ(chosen.size(), 6U);
   const auto resolved = ResolveHandles(raw, mesh, chosen);
   ASSERT_TRUE(resolved.ok()) << resolved.status().message();

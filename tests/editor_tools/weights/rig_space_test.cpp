@@ -1,5 +1,6 @@
 #include "bake/rig_space.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 
 #include <Eigen/Dense>
@@ -27,13 +28,13 @@ PointMatrix ToMesh(const RigSpace& space, const PointMatrix& points) {
   return (points * Basis(space).transpose() * space.scale).rowwise() + origin;
 }
 
-std::vector<PointMatrix> PlanarShapes() {
+Vector<PointMatrix> PlanarShapes() {
   const PointMatrix rest = test::MakeGrid(6, 3).shapes[0];
   return {rest, rest * Eigen::Vector3d(2, 0.7, 1).asDiagonal()};
 }
 
-std::vector<PointMatrix> Mapped(std::vector<PointMatrix> shapes, const Eigen::Matrix3d& linear,
-                                const Eigen::RowVector3d& offset) {
+Vector<PointMatrix> Mapped(Vector<PointMatrix> shapes, const Eigen::Matrix3d& linear,
+                           const Eigen::RowVector3d& offset) {
   for (PointMatrix& shape : shapes) {
     shape = ((shape * linear.transpose()).rowwise() + offset).eval();
   }
@@ -47,7 +48,7 @@ double DiagonalOf(const PointMatrix& points) {
 TEST(FitRigSpace, Solid_KeepsItsAxesAndIsOneLarge) {
   const PointMatrix blob = test::MakeBlob(10, 8).shapes[0];
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    const std::vector<PointMatrix> shapes =
+    const Vector<PointMatrix> shapes =
         Mapped({blob, 1.5 * blob}, scale * Eigen::Matrix3d::Identity(),
                scale * Eigen::RowVector3d(3, 1, 2));
     int dimension = 0;
@@ -73,7 +74,7 @@ TEST(FitRigSpace, TiltedPlane_LiesInXyAndComesBack) {
     const Eigen::Matrix3d rotation =
         Eigen::AngleAxisd(0.6 * i, Eigen::Vector3d(std::sin(i), 1, std::cos(2.0 * i)).normalized())
             .toRotationMatrix();
-    const std::vector<PointMatrix> shapes = Mapped(PlanarShapes(), rotation, {5, -3, 8});
+    const Vector<PointMatrix> shapes = Mapped(PlanarShapes(), rotation, {5, -3, 8});
     int dimension = 0;
     const RigSpace space = FitRigSpace(shapes, &dimension);
     ASSERT_EQ(dimension, 2);
@@ -105,7 +106,7 @@ TEST(FitRigSpace, AxisPlanes_UseTheMeshsOwnAxes) {
 
 TEST(FitRigSpace, OneShapeOrOneVertexOutOfThePlane_IsSolid) {
   int dimension = 0;
-  std::vector<PointMatrix> shapes = PlanarShapes();
+  Vector<PointMatrix> shapes = PlanarShapes();
   shapes[1].col(2).setConstant(0.01);  // planar, but in another plane
   FitRigSpace(shapes, &dimension);
   EXPECT_EQ(dimension, 3);
@@ -120,7 +121,7 @@ TEST(FitRigSpace, OneShapeOrOneVertexOutOfThePlane_IsSolid) {
 
 TEST(FitRigSpace, CollapsedShapes_GiveFiniteNumbers) {
   int dimension = 0;
-  const std::vector<PointMatrix> point = {PointMatrix::Constant(4, 3, 2)};
+  const Vector<PointMatrix> point = {PointMatrix::Constant(4, 3, 2)};
   const RigSpace space = FitRigSpace(point, &dimension);
   EXPECT_GT(space.scale, 0);
   EXPECT_TRUE(Basis(space).allFinite());

@@ -1,5 +1,6 @@
 #include "bake/skinning_weights.h"
 
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/cotangent.h"
@@ -18,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using geometry::SolveMesh;
 
-MatrixXd Weights(const SolveMesh& mesh, const std::vector<int>& handles, int num_threads = 1) {
+MatrixXd Weights(const SolveMesh& mesh, const Vector<int>& handles, int num_threads = 1) {
   WeightsReport report;
   Result<MatrixXd> weights = BoundedBiharmonicWeights(mesh, handles, num_threads, {}, &report);
   EXPECT_TRUE(weights.ok()) << weights.status().message();
@@ -28,7 +29,7 @@ MatrixXd Weights(const SolveMesh& mesh, const std::vector<int>& handles, int num
                       : MatrixXd::Zero(mesh.num_vertices(), Eigen::Index(handles.size()));
 }
 
-void ExpectProper(const MatrixXd& weights, const std::vector<int>& handles) {
+void ExpectProper(const MatrixXd& weights, const Vector<int>& handles) {
   EXPECT_GE(weights.minCoeff(), 0);
   EXPECT_LE(weights.maxCoeff(), 1);
   EXPECT_LE((weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-14);
@@ -44,7 +45,7 @@ SolveMesh Blob() {
   return mesh;
 }
 
-const std::vector<int> kBlobHandles = {192, 193, 85, 92};
+const Vector<int> kBlobHandles = {192, 193, 85, 92};
 
 // The bilaplacian energy by its definition, dense: sum over vertices of (L w)_v^2 / area_v, with
 // the areas of Voronoi cells. For triangles without obtuse angles.
@@ -71,7 +72,7 @@ MatrixXd DenseForm(const SolveMesh& mesh) {
 }
 
 // Weights of all handles by projected coordinate descent to the last digit.
-MatrixXd SolveSlowly(const SolveMesh& mesh, const std::vector<int>& handles) {
+MatrixXd SolveSlowly(const SolveMesh& mesh, const Vector<int>& handles) {
   const MatrixXd Q = DenseForm(mesh);
   MatrixXd weights = MatrixXd::Zero(mesh.num_vertices(), static_cast<Eigen::Index>(handles.size()));
   for (size_t h = 0; h < handles.size(); ++h) {
@@ -96,7 +97,7 @@ MatrixXd SolveSlowly(const SolveMesh& mesh, const std::vector<int>& handles) {
 TEST(BoundedBiharmonicWeights, AreBoundedPartitionUnityAndPeakAtTheirHandles) {
   ExpectProper(Weights(Blob(), kBlobHandles), kBlobHandles);
   const SolveMesh grid = test::MakeGrid(15, 11);
-  const std::vector<int> corners = {0, 15, 16 * 11, 16 * 12 - 1, 88};
+  const Vector<int> corners = {0, 15, 16 * 11, 16 * 12 - 1, 88};
   ExpectProper(Weights(grid, corners), corners);
 }
 
@@ -107,7 +108,7 @@ TEST(BoundedBiharmonicWeights, AgreeWithCoordinateDescentOnTheDefinition) {
     const double x = mesh.shapes[0](v, 0), y = mesh.shapes[0](v, 1);
     mesh.shapes[0].row(v) << x - 0.5 * y, std::sqrt(0.75) * y, 0.1 * std::sin(x);
   }
-  const std::vector<int> handles = {1, 14, 26, 45};
+  const Vector<int> handles = {1, 14, 26, 45};
   const MatrixXd expected = SolveSlowly(mesh, handles);
   EXPECT_GT((expected.array() == 0).count(), 12);  // the bounds are at work
   EXPECT_LT((Weights(mesh, handles) - expected).lpNorm<Eigen::Infinity>(), 1e-6);
@@ -143,8 +144,8 @@ TEST(BoundedBiharmonicWeights, RigidMotionAndScale_ChangeNothing) {
 TEST(BoundedBiharmonicWeights, VertexOrder_ChangesNothing) {
   const SolveMesh mesh = Blob();
   const MatrixXd reference = Weights(mesh, kBlobHandles);
-  const std::vector<int> order = test::Shuffle(mesh.num_vertices(), 5);
-  std::vector<int> handles;
+  const Vector<int> order = test::Shuffle(mesh.num_vertices(), 5);
+  Vector<int> handles;
   for (const int v : kBlobHandles)
     handles.push_back(order[v]);
   const MatrixXd shuffled = Weights(test::Renumbered(mesh, order), handles);
@@ -188,7 +189,7 @@ TEST(BoundedBiharmonicWeights, PartWithoutAHandle_FollowsWhatItSitsIn) {
   test::Append(eye, {17, 2, 0.3}, &mesh);
   geometry::ConnectComponents(&mesh);
   ASSERT_EQ(mesh.num_components, 2);
-  const std::vector<int> handles = {42, 62};  // the ends of the middle line
+  const Vector<int> handles = {42, 62};  // the ends of the middle line
   const MatrixXd weights = Weights(mesh, handles);
   ExpectProper(weights, handles);
   const double below = weights(2 * 21 + 17, 1);
@@ -216,7 +217,7 @@ TEST(BoundedBiharmonicWeights, DegenerateTriangles_StillReachTheOptimum) {
 TEST(BoundedBiharmonicWeights, BadInput_IsRefusedWithAReason) {
   const SolveMesh mesh = Blob();
   WeightsReport report;
-  const auto solve = [&](const SolveMesh& on, const std::vector<int>& handles) {
+  const auto solve = [&](const SolveMesh& on, const Vector<int>& handles) {
     return BoundedBiharmonicWeights(on, handles, 1, {}, &report).status();
   };
   EXPECT_EQ(solve(mesh, {}).code(), StatusCode::kNoHandles);
@@ -242,7 +243,7 @@ TEST(BoundedBiharmonicWeights, Cancelled_EndsWithThatAndOnTheCallersThread) {
     };
     const SolveMesh mesh = test::MakeGrid(60, 40);
     const Status status =
-        BoundedBiharmonicWeights(mesh, std::vector<int>{0, 60, 1000, 2000}, 2, progress, &report)
+        BoundedBiharmonicWeights(mesh, Vector<int>{0, 60, 1000, 2000}, 2, progress, &report)
             .status();
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_EQ(status.message(), "cancelled");

@@ -2,12 +2,11 @@
 #include "bake/small_parts.h"
 
 #include "bake/skinning_weights.h"
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 
 #include <gtest/gtest.h>
-
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -18,7 +17,7 @@ using geometry::SolveMesh;
 // A cloth of 20 x 12 with parts above it; handles at two of its corners.
 struct Dressed {
   SolveMesh mesh = test::MakeGrid(20, 12);
-  std::vector<int> handles = {0, 20};
+  Vector<int> handles = {0, 20};
   int cloth = mesh.num_vertices();
 
   void Add(SolveMesh part, double size, const Eigen::RowVector3d& place) {

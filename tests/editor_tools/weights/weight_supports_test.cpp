@@ -5,6 +5,7 @@
 #include "bake/coarse_surface.h"
 #include "bake/handle_solver.h"
 #include "bake/quadratic_problem.h"
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ using geometry::SolveMesh;
 // A long strip with a handle every ten squares: each reaches its neighbours and hardly further.
 struct Strip {
   SolveMesh mesh = test::MakeGrid(120, 30);
-  std::vector<int> handles;
+  Vector<int> handles;
   RobustLaplacian surface = geometry::MakeRobustLaplacian(mesh);
 
   Strip() {
@@ -49,7 +50,7 @@ TEST(WeightSupports, HoldEveryWeightAboveZero_AndLittleElse) {
   const WeightSupports supports(strip.surface, strip.handles, 1);
   for (const int h : {0, 2, 5}) {
     const VectorXd x = OverTheWhole(problem, h);
-    const std::vector<bool> is_near = supports.Around(h, 2);
+    const Vector<bool> is_near = supports.Around(h, 2);
     double outside = 0;
     for (size_t i = 0; i < problem.free_vertices.size(); ++i) {
       if (!is_near[size_t(problem.free_vertices[i])])
@@ -67,20 +68,20 @@ TEST(WeightSupports, GrowWithTheRings_UpToAll) {
   const WeightSupports supports(strip.surface, strip.handles, 1);
   auto last = std::ptrdiff_t{0};
   for (const int rings : {0, 1, 2, 4}) {
-    const std::vector<bool> is_near = supports.Around(0, rings);
+    const Vector<bool> is_near = supports.Around(0, rings);
     const auto count = std::count(is_near.begin(), is_near.end(), true);
     EXPECT_GT(count, last);
     last = count;
   }
-  const std::vector<bool> all = supports.Around(0, 1000);
+  const Vector<bool> all = supports.Around(0, 1000);
   EXPECT_EQ(std::count(all.begin(), all.end(), true), std::ptrdiff_t(all.size()));
 }
 
 TEST(WeightSupports, SmallSurfaces_AreReachedWhole) {
   const SolveMesh mesh = test::MakeGrid(20, 20);
-  const std::vector<int> handles = {0, 440};
+  const Vector<int> handles = {0, 440};
   const WeightSupports supports(geometry::MakeRobustLaplacian(mesh), handles, 1);
-  const std::vector<bool> is_near = supports.Around(1, 0);
+  const Vector<bool> is_near = supports.Around(1, 0);
   EXPECT_EQ(std::count(is_near.begin(), is_near.end(), true), 441);
 }
 

@@ -1,5 +1,6 @@
 // Weights belong to the surface: not to how finely it is cut, nor to how its triangles are stored.
 #include "bake/skinning_weights.h"
+#include "core/vector.h"
 #include "editor_tools/geometry/solve_meshes.h"
 #include "geometry/bridges.h"
 #include "geometry/weld.h"
@@ -7,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
 
 namespace limber::bake {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using Eigen::MatrixXd;
 using geometry::SolveMesh;
 
-MatrixXd Weights(SolveMesh mesh, const std::vector<int>& handles) {
+MatrixXd Weights(SolveMesh mesh, const Vector<int>& handles) {
   geometry::ConnectComponents(&mesh);
   WeightsReport report;
   Result<MatrixXd> weights = BoundedBiharmonicWeights(mesh, handles, 0, {}, &report);
@@ -38,8 +38,8 @@ int FineVertex(int v, int cuts) {
   return ((v / kAround + 1) * cuts - 1) * around + v % kAround * cuts;
 }
 
-MatrixXd AtCoarseVertices(int cuts, const std::vector<int>& handles) {
-  std::vector<int> fine_handles;
+MatrixXd AtCoarseVertices(int cuts, const Vector<int>& handles) {
+  Vector<int> fine_handles;
   for (const int v : handles)
     fine_handles.push_back(FineVertex(v, cuts));
   const MatrixXd weights = Weights(Cut(cuts), fine_handles);
@@ -50,9 +50,9 @@ MatrixXd AtCoarseVertices(int cuts, const std::vector<int>& handles) {
 }
 
 TEST(WeightsOfASurface, ConvergeAsItIsCutFiner) {
-  const std::vector<int> handles = {kAround * kRings, kAround * kRings + 1, 38, 44, 5};
+  const Vector<int> handles = {kAround * kRings, kAround * kRings + 1, 38, 44, 5};
   const MatrixXd finest = AtCoarseVertices(8, handles);
-  std::vector<double> errors;
+  Vector<double> errors;
   for (const int cuts : {1, 2, 4})
     errors.push_back((AtCoarseVertices(cuts, handles) - finest).lpNorm<Eigen::Infinity>());
   EXPECT_GT(errors[0], 0.01) << "the coarse one is coarse";
@@ -64,10 +64,10 @@ TEST(WeightsOfASurface, ConvergeAsItIsCutFiner) {
 // Every triangle with corners of its own, as some exporters write them, is the same surface.
 TEST(WeightsOfASurface, StoredInLoosePieces_AreTheSame) {
   const SolveMesh mesh = test::MakeBlob(16, 12);
-  const std::vector<int> handles = {192, 193, 85, 92};
-  std::vector<uint32_t> triangles;
+  const Vector<int> handles = {192, 193, 85, 92};
+  Vector<uint32_t> triangles;
   geometry::PointMatrix points(3 * Eigen::Index(mesh.triangles.size()), 3);
-  std::vector<int> source;
+  Vector<int> source;
   for (const auto& triangle : mesh.triangles) {
     for (const int v : triangle) {
       points.row(Eigen::Index(triangles.size())) = mesh.shapes[0].row(v);
@@ -75,12 +75,12 @@ TEST(WeightsOfASurface, StoredInLoosePieces_AreTheSame) {
       source.push_back(v);
     }
   }
-  const SolveMesh welded = geometry::WeldMesh(std::vector{points}, triangles, 1e-6);
+  const SolveMesh welded = geometry::WeldMesh(Vector<decltype(points)>{points}, triangles, 1e-6);
   ASSERT_EQ(welded.num_vertices(), mesh.num_vertices());
-  std::vector<int> welded_of(static_cast<size_t>(mesh.num_vertices()));
+  Vector<int> welded_of(static_cast<size_t>(mesh.num_vertices()));
   for (size_t d = 0; d < source.size(); ++d)
     welded_of[size_t(source[d])] = int(welded.solve_vertex[d]);
-  std::vector<int> welded_handles;
+  Vector<int> welded_handles;
   for (const int v : handles)
     welded_handles.push_back(welded_of[size_t(v)]);
   const MatrixXd expected = Weights(mesh, handles), weights = Weights(welded, welded_handles);

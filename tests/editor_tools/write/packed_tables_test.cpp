@@ -2,6 +2,7 @@
 // and what a damaged file does.
 #include "bake/pack_tables.h"
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "load/rig_loader.h"
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Numbers = std::vector<float>;
+using Numbers = Vector<float>;
 
 struct Written {
   bake::BakedCharacter baked;
@@ -62,7 +63,7 @@ uint64_t FloatBytes(const RigTables& tables) {
 void ExpectClose(const char* name, const Numbers& written, const Numbers& loaded, size_t columns,
                  double tolerance) {
   ASSERT_EQ(written.size(), loaded.size()) << name;
-  std::vector<float> largest(columns, 0);
+  Vector<float> largest(columns, 0);
   for (size_t i = 0; i < written.size(); ++i)
     largest[i % columns] = std::max(largest[i % columns], std::abs(written[i]));
   for (size_t i = 0; i < written.size(); ++i) {
@@ -100,20 +101,18 @@ TEST_P(PackedTables, LoadedAgain_AreAsExactAsFloats) {
   const auto rig = LoadRig(written.file);
   ASSERT_TRUE(rig.ok()) << rig.status().message();
   const RigTables &before = written.baked.tables, &after = (*rig)->tables();
-  std::vector<const Numbers*> loaded;
+  Vector<const Numbers*> loaded;
   VisitRigTables(after, [&](const char*, const Numbers& t, const auto&) { loaded.push_back(&t); });
   size_t index = 0;
-  VisitRigTables(
-      before, [&](const char* name, const Numbers& table, const std::vector<int64_t>& shape) {
-        const Numbers& other = *loaded[index++];
-        const std::string_view is = name;
-        if (is == "singleGroupFactors" || is == "singleEdges")
-          return;  // remade: by energies, below
-        const bool by_columns = is == "modeTransforms";
-        const bool is_energy = is == "modeEdges" || is == "residualFactor";
-        ExpectClose(name, table, other, by_columns ? static_cast<size_t>(shape.back()) : 1,
-                    is_energy ? 0x1p-23 : 0x1p-24);
-      });
+  VisitRigTables(before, [&](const char* name, const Numbers& table, const Vector<int64_t>& shape) {
+    const Numbers& other = *loaded[index++];
+    const std::string_view is = name;
+    if (is == "singleGroupFactors" || is == "singleEdges") return;  // remade: by energies, below
+    const bool by_columns = is == "modeTransforms";
+    const bool is_energy = is == "modeEdges" || is == "residualFactor";
+    ExpectClose(name, table, other, by_columns ? static_cast<size_t>(shape.back()) : 1,
+                is_energy ? 0x1p-23 : 0x1p-24);
+  });
   // Sums of products of up to a few dozen packed numbers, of which the largest is `factor`.
   const float factor = Largest(written.baked.local_factors.factors);
   ASSERT_EQ(before.single_edges.size(), after.single_edges.size());
@@ -268,7 +267,7 @@ TEST(LoadRig, AnyDamagedByte_IsAStatusOrARig) {
   const auto raw = bake::ImportGltf(source);
   ASSERT_TRUE(raw.ok()) << raw.status().message();
   ASSERT_TRUE(bake::WriteBaked(source, *raw, MakeSyntheticBake(*raw, {}), out).ok());
-  std::vector<uint8_t> bytes = ReadBytes(out);
+  Vector<uint8_t> bytes = ReadBytes(out);
   std::mt19937 random(3);
   int refused = 0;
   for (int i = 0; i < 2000; ++i) {

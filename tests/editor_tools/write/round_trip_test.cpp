@@ -1,6 +1,7 @@
 // Bake, write, load: the same mesh comes back, to the bit, and the tables as exactly as they are
 // packed.
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "load/rig_loader.h"
@@ -35,8 +36,7 @@ void ExpectOk(const Status& status) {
 }
 
 // To the rounding of the packing, a step of 2^-23 of the largest number.
-void ExpectClose(const char* name, const std::vector<float>& written,
-                 const std::vector<float>& loaded) {
+void ExpectClose(const char* name, const Vector<float>& written, const Vector<float>& loaded) {
   ASSERT_EQ(written.size(), loaded.size()) << name;
   float largest = 0;
   for (const float number : written)
@@ -62,11 +62,11 @@ void ExpectSameTables(const RigTables& written, const RigTables& loaded) {
     EXPECT_EQ(expected, loaded.handles[h]) << expected.name;
   }
   int num_tables = 0;
-  std::vector<const std::vector<float>*> tables;
-  VisitRigTables(written, [&](const char*, const std::vector<float>& table, const auto&) {
+  Vector<const Vector<float>*> tables;
+  VisitRigTables(written, [&](const char*, const Vector<float>& table, const auto&) {
     tables.push_back(&table);
   });
-  VisitRigTables(loaded, [&](const char* name, const std::vector<float>& table, const auto&) {
+  VisitRigTables(loaded, [&](const char* name, const Vector<float>& table, const auto&) {
     ExpectClose(name, *tables[static_cast<size_t>(num_tables++)], table);
   });
   EXPECT_EQ(num_tables, 9);
@@ -172,15 +172,15 @@ TEST(WriteBaked, StiffnessOfHandles_IsFoundByTheNextBake) {
   const fs::path source = WriteRichSource(folder.path()), out = folder.path() / "out.glb";
   const RawCharacter raw = Import(source);
   BakedCharacter baked = MakeSyntheticBake(raw, {});
-  const std::vector<RigHandle>& handles = baked.tables.handles;
+  const Vector<RigHandle>& handles = baked.tables.handles;
   for (size_t h = 0; h < handles.size(); ++h)
     baked.handle_stiffness.push_back(h % 2 == 0 ? 1 : 10 * double(h));
   ExpectOk(bake::WriteBaked(source, raw, baked, out));
   int made = 0;
   for (const bake::HandleSpec& found : Import(out).marked_handles) {
-    const auto handle =
-        std::find_if(handles.begin(), handles.end(),
-                     [&found](const RigHandle& other) { return other.name == found.name; });
+    const auto handle = std::find_if(
+        handles.begin(), handles.end(),
+        [&found](const RigHandle& other) { return std::string_view(other.name) == found.name; });
     ASSERT_NE(handle, handles.end());
     if (handle->node >= 0) continue;  // a node of the artist, which is left alone
     EXPECT_EQ(found.stiffness, baked.handle_stiffness[size_t(handle - handles.begin())]);
@@ -243,7 +243,7 @@ TEST(WriteBaked, Refusals_LeaveTheOldFileAndNothingBeside) {
   const RawCharacter raw = Import(source);
   const BakedCharacter baked = MakeSyntheticBake(raw, {});
   ExpectOk(bake::WriteBaked(source, raw, baked, out));
-  const std::vector<uint8_t> good = ReadBytes(out);
+  const Vector<uint8_t> good = ReadBytes(out);
 
   BakedCharacter bad = baked;
   bad.tables.mode_transforms[3] = std::numeric_limits<float>::quiet_NaN();
@@ -303,7 +303,7 @@ TEST(LoadRig, DamagedExtension_IsAStatusOrARig) {
   const fs::path source = WritePlainSource(folder.path()), out = folder.path() / "out.glb";
   const RawCharacter raw = Import(source);
   ExpectOk(bake::WriteBaked(source, raw, MakeSyntheticBake(raw, {}), out));
-  std::vector<uint8_t> bytes = ReadBytes(out);
+  Vector<uint8_t> bytes = ReadBytes(out);
   const auto json = ReadGltfJson(out).dump();
   int refused = 0;
   for (size_t i = 12; i < 20 + json.size(); i += 5) {

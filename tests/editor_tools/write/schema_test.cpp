@@ -1,5 +1,6 @@
 // What the writer writes is what the extension's published schema says, no more and no less.
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "rig/rig_fields.h"
@@ -61,7 +62,7 @@ class SchemaChecker {
     }
   }
 
-  std::vector<std::string> findings;
+  Vector<std::string> findings;
 
  private:
   void Note(const std::string& place, const std::string& what) {
@@ -69,7 +70,7 @@ class SchemaChecker {
   }
 };
 
-std::vector<std::string> Findings(const Json& extension, const char* schema) {
+Vector<std::string> Findings(const Json& extension, const char* schema) {
   SchemaChecker checker;
   checker.Check(extension, ReadGltfJson(kSchemas / schema), "");
   return checker.findings;
@@ -85,12 +86,12 @@ TEST(Schema, BakedFile_ConformsAndDamageIsFound) {
   const Json root = ReadGltfJson(out);
   constexpr char kDocument[] = "glTF.LIMBER_mesh_ik.schema.json";
   Json extension = root["extensions"][kRigExtensionName];
-  EXPECT_EQ(Findings(extension, kDocument), std::vector<std::string>());
+  EXPECT_EQ(Findings(extension, kDocument), Vector<std::string>());
   EXPECT_EQ(extension["rigs"][0]["tables"].size(), 12u)
       << "every table of the schema is written, but groupHandles and groupFactors";
   EXPECT_EQ(Findings(root["nodes"][0]["extensions"][kRigExtensionName],
                      "node.LIMBER_mesh_ik.schema.json"),
-            std::vector<std::string>());
+            Vector<std::string>());
   extension["version"] = kRigFormatVersion + 1;
   extension["rigs"][0].erase("space");
   extension["rigs"][0]["handles"][0]["vertex"] = -1;
@@ -110,7 +111,7 @@ TEST(Schema, BakedCharacter_Conforms) {
   const Status status = bake::WriteBaked(source, *raw, *baked, out);
   ASSERT_TRUE(status.ok()) << status.message();
   const Json extension = ReadGltfJson(out)["extensions"][kRigExtensionName];
-  EXPECT_EQ(Findings(extension, "glTF.LIMBER_mesh_ik.schema.json"), std::vector<std::string>());
+  EXPECT_EQ(Findings(extension, "glTF.LIMBER_mesh_ik.schema.json"), Vector<std::string>());
   const Json& tables = extension["rigs"][0]["tables"];
   EXPECT_TRUE(tables.contains("groupFactors") && tables.contains("groupHandles"));
   EXPECT_FALSE(tables.contains("singleEdges") || tables.contains("singleGroupFactors"));

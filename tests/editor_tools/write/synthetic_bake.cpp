@@ -1,5 +1,6 @@
 #include "editor_tools/write/synthetic_bake.h"
 
+#include "core/vector.h"
 #include "import/file_output.h"
 #include "load/glb_container.h"
 #include "rig/rest_frames.h"
@@ -38,15 +39,15 @@ class BufferBuilder {
     return static_cast<int>(views.size()) - 1;
   }
 
-  int AddFloats(const std::vector<float>& numbers, const char* type, int components,
-                bool with_bounds, int target = 34962) {
+  int AddFloats(const Vector<float>& numbers, const char* type, int components, bool with_bounds,
+                int target = 34962) {
     const auto c = static_cast<size_t>(components);
     Json accessor = {{"bufferView", Add(numbers.data(), 4 * numbers.size(), target)},
                      {"componentType", 5126},
                      {"count", numbers.size() / c},
                      {"type", type}};
     if (with_bounds) {
-      std::vector<float> low(numbers.begin(), numbers.begin() + components), high = low;
+      Vector<float> low(numbers.begin(), numbers.begin() + components), high = low;
       for (size_t i = 0; i < numbers.size(); ++i) {
         low[i % c] = std::min(low[i % c], numbers[i]);
         high[i % c] = std::max(high[i % c], numbers[i]);
@@ -58,25 +59,25 @@ class BufferBuilder {
     return static_cast<int>(accessors.size()) - 1;
   }
 
-  std::vector<uint8_t> bytes;
+  Vector<uint8_t> bytes;
   Json views = Json::array(), accessors = Json::array();
 };
 
 // Two squares side by side, cut at x = 1: the second primitive repeats the seam's vertices.
 struct Geometry {
-  std::vector<float> left = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
-  std::vector<float> right = {1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 0, 0, 2, 1, 0, 1, 1, 0};
-  std::vector<uint16_t> left_indices = {0, 1, 2, 0, 2, 3};
+  Vector<float> left = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  Vector<float> right = {1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 0, 0, 2, 1, 0, 1, 1, 0};
+  Vector<uint16_t> left_indices = {0, 1, 2, 0, 2, 3};
 
-  static std::vector<float> Bend(const std::vector<float>& base, float amount) {
-    std::vector<float> offsets(base.size());
+  static Vector<float> Bend(const Vector<float>& base, float amount) {
+    Vector<float> offsets(base.size());
     for (size_t i = 0; i < base.size(); i += 3)
       offsets[i + 2] = amount * base[i] * base[i];
     return offsets;
   }
 
-  static std::vector<float> Normals(size_t count) {
-    std::vector<float> normals(3 * count);
+  static Vector<float> Normals(size_t count) {
+    Vector<float> normals(3 * count);
     for (size_t v = 0; v < count; ++v)
       normals[3 * v + 2] = 1;
     return normals;
@@ -86,7 +87,7 @@ struct Geometry {
 Json MakePrimitives(BufferBuilder* buffer) {
   const Geometry geometry;
   Json primitives = Json::array();
-  for (const std::vector<float>& base : {geometry.left, geometry.right}) {
+  for (const Vector<float>& base : {geometry.left, geometry.right}) {
     Json attributes = {
         {"POSITION", buffer->AddFloats(base, "VEC3", 3, true)},
         {"NORMAL", buffer->AddFloats(Geometry::Normals(base.size() / 3), "VEC3", 3, false)}};
@@ -109,17 +110,17 @@ void WriteAll(const std::filesystem::path& path, const void* data, size_t size) 
   stream.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
 }
 
-std::vector<float> RandomNumbers(int64_t count, std::mt19937* random) {
-  std::vector<float> numbers(static_cast<size_t>(count));
+Vector<float> RandomNumbers(int64_t count, std::mt19937* random) {
+  Vector<float> numbers(static_cast<size_t>(count));
   for (float& x : numbers)
     x = static_cast<float>((*random)()) / 4.294967296e9f - 0.5f;
   return numbers;
 }
 
 void Weld(const bake::RawCharacter& raw, SkinMesh* mesh) {
-  std::map<std::vector<double>, uint32_t> known;
+  std::map<Vector<double>, uint32_t> known;
   for (int d = 0; d < raw.num_draw_vertices(); ++d) {
-    std::vector<double> key;
+    Vector<double> key;
     for (const bake::PointMatrix& shape : raw.shapes) {
       key.insert(key.end(), {shape(d, 0), shape(d, 1), shape(d, 2)});
     }
@@ -132,7 +133,7 @@ void Weld(const bake::RawCharacter& raw, SkinMesh* mesh) {
 
 void FillShapes(const bake::RawCharacter& raw, const RigSpace& space, SkinMesh* mesh) {
   for (const bake::PointMatrix& shape : raw.shapes) {
-    std::vector<Vec3> points(mesh->num_solve_vertices);
+    Vector<Vec3> points(mesh->num_solve_vertices);
     for (int d = raw.num_draw_vertices(); d-- > 0;) {
       Vec3& p = points[mesh->solve_vertex[static_cast<size_t>(d)]];
       for (int axis = 0; axis < 3; ++axis) {
@@ -247,15 +248,15 @@ bake::BakedCharacter MakeSyntheticBake(const bake::RawCharacter& raw,
   tables.has_rotations = options.rotations;
   tables.space.origin = {0.3f, -0.7f, 1.0f / 7};
   tables.space.scale = 1.7f;
-  tables.shape_names = raw.shape_names;
+  tables.shape_names.assign(raw.shape_names.begin(), raw.shape_names.end());
   FillHandles(raw, options.num_handles, mesh, &tables);
-  VisitRigTables(
-      tables, [&random](const char*, std::vector<float>& table, const std::vector<int64_t>& shape) {
-        int64_t count = 1;
-        for (const int64_t size : shape)
-          count *= size;
-        table = RandomNumbers(count, &random);
-      });
+  VisitRigTables(tables,
+                 [&random](const char*, Vector<float>& table, const Vector<int64_t>& shape) {
+                   int64_t count = 1;
+                   for (const int64_t size : shape)
+                     count *= size;
+                   table = RandomNumbers(count, &random);
+                 });
   for (float& length : tables.handle_reach)
     length = std::abs(length);
   const auto num_handles = static_cast<size_t>(options.num_handles);
@@ -280,13 +281,13 @@ bake::BakedCharacter MakeSyntheticBake(const bake::RawCharacter& raw,
   return baked;
 }
 
-std::vector<uint8_t> ReadBytes(const std::filesystem::path& path) {
+Vector<uint8_t> ReadBytes(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
 nlohmann::ordered_json ReadGltfJson(const std::filesystem::path& path) {
-  const std::vector<uint8_t> bytes = ReadBytes(path);
+  const Vector<uint8_t> bytes = ReadBytes(path);
   if (!IsGlb(bytes)) return Json::parse(bytes);
   const auto chunks = SplitGlb(bytes);
   return Json::parse(chunks->json);

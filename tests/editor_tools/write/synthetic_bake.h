@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "import/raw_character.h"
 
 #include <nlohmann/json.hpp>
@@ -10,7 +11,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
@@ -36,7 +36,7 @@ struct SyntheticOptions {
 bake::BakedCharacter MakeSyntheticBake(const bake::RawCharacter& raw,
                                        const SyntheticOptions& options);
 
-std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
+Vector<uint8_t> ReadBytes(const std::filesystem::path& path);
 // The JSON of a .glb or .gltf.
 nlohmann::ordered_json ReadGltfJson(const std::filesystem::path& path);
 

@@ -1,5 +1,6 @@
 // The Khronos validator over what Limber writes: no error, no warning (tests/validate_gltf.mjs).
 #include "bake/write_baked.h"
+#include "core/vector.h"
 #include "editor_tools/write/synthetic_bake.h"
 #include "import/import_gltf.h"
 #include "import/pack_obj.h"
@@ -50,7 +51,7 @@ TEST_F(Validator, PackedObj_IsCleanBeforeAndAfterABake) {
   std::ofstream(base) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 2 0\nv 7 7 7\n" << faces;
   std::ofstream(shape) << "v 0 0 0\nv 1 0 0.5\nv 1 1 0.5\nv 0 1 0\nv 0 2 1e-30\nv 7 7 7\n" << faces;
   const fs::path packed = folder_.path() / "packed.glb";
-  const std::vector<fs::path> shapes = {shape};
+  const Vector<fs::path> shapes = {shape};
   const Status status = bake::PackObj(base, shapes, {}, packed);
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_TRUE(IsValidGltf(packed));

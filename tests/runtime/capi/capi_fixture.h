@@ -3,13 +3,14 @@
 
 #include "limber/limber.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
@@ -17,7 +18,7 @@ inline std::string BakedTube() {
   return std::string(LIMBER_SOURCE_DIR) + "/content/baked/v2/tube.glb";
 }
 
-inline std::vector<char> ReadBytes(const std::string& path) {
+inline Vector<char> ReadBytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -29,7 +30,7 @@ class CapiTest : public ::testing::Test {
     def.log_user = &log_;
     def.log = [](void* user, LimberSeverity severity, const char* message) {
       EXPECT_EQ(severity, LIMBER_SEVERITY_ERROR);
-      static_cast<std::vector<std::string>*>(user)->emplace_back(message);
+      static_cast<Vector<std::string>*>(user)->emplace_back(message);
     };
     ASSERT_EQ(limberCreateContext(&def, &context_), LIMBER_SUCCESS);
     ASSERT_EQ(limberLoadRig(context_, BakedTube().c_str(), nullptr, &rig_), LIMBER_SUCCESS)
@@ -47,7 +48,7 @@ class CapiTest : public ::testing::Test {
     return message;
   }
 
-  std::vector<std::string> log_;
+  Vector<std::string> log_;
   LimberContext* context_ = nullptr;
   LimberRigId rig_ = {};
   LimberInstanceId instance_ = {};

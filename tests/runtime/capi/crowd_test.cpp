@@ -1,5 +1,6 @@
 // Many instances at once: the same bits on any number of threads, and each failure its own.
 #include "capi_fixture.h"
+#include "core/vector.h"
 
 #include <atomic>
 #include <thread>
@@ -29,23 +30,23 @@ struct Host {
 };
 
 // Targets differ by instance and frame; the skins of the last frame, one after the other.
-std::vector<float> PlayCrowd(const LimberContextDef& def) {
+Vector<float> PlayCrowd(const LimberContextDef& def) {
   LimberContext* context = nullptr;
   EXPECT_EQ(limberCreateContext(&def, &context), LIMBER_SUCCESS);
   LimberRigId rig;
   EXPECT_EQ(limberLoadRig(context, BakedTube().c_str(), nullptr, &rig), LIMBER_SUCCESS);
   LimberRigInfo info;
   EXPECT_EQ(limberGetRigInfo(context, rig, &info), LIMBER_SUCCESS);
-  std::vector<LimberInstanceId> instances(kCrowd);
-  std::vector<float> positions(size_t{3} * info.num_vertices * kCrowd);
-  std::vector<LimberSkinDef> skins(kCrowd, limberDefaultSkinDef());
+  Vector<LimberInstanceId> instances(kCrowd);
+  Vector<float> positions(size_t{3} * info.num_vertices * kCrowd);
+  Vector<LimberSkinDef> skins(kCrowd, limberDefaultSkinDef());
   for (uint32_t i = 0; i < kCrowd; ++i) {
     EXPECT_EQ(limberCreateInstance(context, rig, nullptr, &instances[i]), LIMBER_SUCCESS);
     skins[i].num_vertices = info.num_vertices;
     skins[i].positions.data = positions.data() + size_t{3} * info.num_vertices * i;
   }
-  std::vector<LimberSolveReport> reports(kCrowd);
-  std::vector<LimberResult> results(kCrowd, LIMBER_ERROR_INTERNAL);
+  Vector<LimberSolveReport> reports(kCrowd);
+  Vector<LimberResult> results(kCrowd, LIMBER_ERROR_INTERNAL);
   for (int frame = 0; frame < kFrames; ++frame) {
     for (uint32_t i = 0; i < kCrowd; ++i) {
       const float target[] = {0.002f * float(frame) * float(i) * info.diagonal, 0, 0};
@@ -68,9 +69,8 @@ std::vector<float> PlayCrowd(const LimberContextDef& def) {
 TEST(CapiCrowd, AnyNumberOfThreads_GivesTheSameBits) {
   LimberContextDef def = limberDefaultContextDef();
   def.num_threads = 1;
-  const std::vector<float> one = PlayCrowd(def);
-  EXPECT_NE(std::vector<float>(one.begin(), one.begin() + 30),
-            std::vector<float>(one.end() - 30, one.end()));
+  const Vector<float> one = PlayCrowd(def);
+  EXPECT_NE(Vector<float>(one.begin(), one.begin() + 30), Vector<float>(one.end() - 30, one.end()));
   for (const int32_t threads : {2, 4, 0}) {
     def.num_threads = threads;
     EXPECT_EQ(PlayCrowd(def), one) << threads;
@@ -80,7 +80,7 @@ TEST(CapiCrowd, AnyNumberOfThreads_GivesTheSameBits) {
 TEST(CapiCrowd, HostsJobSystem_DoesTheRounds) {
   LimberContextDef def = limberDefaultContextDef();
   def.num_threads = 1;
-  const std::vector<float> one = PlayCrowd(def);
+  const Vector<float> one = PlayCrowd(def);
   Host host;
   def.run_tasks = Host::Run;
   def.tasks_user = &host;

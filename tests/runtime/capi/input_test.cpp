@@ -1,5 +1,6 @@
 // limber.h: springs, clips and recordings.
 #include "capi_fixture.h"
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "load/glb_container.h"
 #include "support/counting_allocator.h"
@@ -27,7 +28,7 @@ class CapiInput : public CapiTest {
 
   // The tube with a clip of one second: "right" goes up by 0.3 and turns about z by 0.4.
   LimberRigId LoadWithClip() {
-    const std::vector<char> file = ReadBytes(BakedTube());
+    const Vector<char> file = ReadBytes(BakedTube());
     const auto* first = reinterpret_cast<const uint8_t*>(file.data());
     const Result<GlbChunks> chunks = SplitGlb({first, file.size()});
     EXPECT_TRUE(chunks.ok());
@@ -40,7 +41,7 @@ class CapiInput : public CapiTest {
     AddChannel(&parts, 0, 3, "translation", {0, 1}, {1.05f, 0, 0, 1.05f, 0.3f, 0});
     AddChannel(&parts, 0, 3, "rotation", {0, 1},
                {0, 0, 0, 1, 0, 0, std::sin(0.2f), std::cos(0.2f)});
-    const std::vector<uint8_t> glb = parts.Glb();
+    const Vector<uint8_t> glb = parts.Glb();
     LimberRigId rig = {};
     EXPECT_EQ(limberLoadRigFromMemory(context_, glb.data(), glb.size(), "clip", nullptr, &rig),
               LIMBER_SUCCESS)
@@ -53,7 +54,7 @@ TEST_F(CapiInput, Follow_ReachesTheGoalAtAnyFrameRate) {
   const int32_t right = Handle("right");
   const LimberHandleState rest = State(instance_, right);
   const float goal[3] = {rest.target[0] - 0.1f, rest.target[1] + 0.2f, rest.target[2]};
-  std::vector<float> after_a_third;
+  Vector<float> after_a_third;
   for (const int frames : {20, 40, 100}) {
     LimberInstanceId one;
     ASSERT_EQ(limberCreateInstance(context_, rig_, nullptr, &one), LIMBER_SUCCESS);
@@ -124,7 +125,7 @@ TEST_F(CapiInput, Clip_MovesAndTurnsItsHandles) {
   ASSERT_EQ(limberUnpin(context_, character, right), LIMBER_SUCCESS);
   ASSERT_EQ(limberApplyClip(context_, character, &def), LIMBER_SUCCESS) << Message();
   // The rotation is asked for as well: without it the pose is another.
-  std::vector<std::vector<double>> blends;
+  Vector<Vector<double>> blends;
   for (const int32_t rotations : {0, 1}) {
     LimberInstanceId one;
     ASSERT_EQ(limberCreateInstance(context_, rig, nullptr, &one), LIMBER_SUCCESS);
@@ -135,7 +136,7 @@ TEST_F(CapiInput, Clip_MovesAndTurnsItsHandles) {
     LimberSolveDef solve = limberDefaultSolveDef();
     solve.iterations = 20;
     ASSERT_EQ(limberSolve(context_, one, &solve, nullptr), LIMBER_SUCCESS);
-    std::vector<double> weights(static_cast<size_t>(info_.num_groups * info_.num_shapes));
+    Vector<double> weights(static_cast<size_t>(info_.num_groups * info_.num_shapes));
     ASSERT_EQ(limberGetBlendWeights(context_, one, weights.data(), weights.size()), LIMBER_SUCCESS);
     blends.push_back(weights);
   }
@@ -175,10 +176,10 @@ TEST_F(CapiInput, Recording_IsReplayedWithTheSameBits) {
   const int32_t right = Handle("right");
   LimberFollowDef follow = limberDefaultFollowDef();
   follow.time_step = 1.0 / 60;
-  std::vector<std::vector<double>> blends;
+  Vector<Vector<double>> blends;
   const auto count = static_cast<size_t>(info_.num_groups * info_.num_shapes);
   const auto blend_of = [&](LimberInstanceId instance) {
-    std::vector<double> weights(count);
+    Vector<double> weights(count);
     EXPECT_EQ(limberGetBlendWeights(context_, instance, weights.data(), count), LIMBER_SUCCESS);
     return weights;
   };
@@ -200,12 +201,12 @@ TEST_F(CapiInput, Recording_IsReplayedWithTheSameBits) {
   }
   size_t size = 0;
   ASSERT_EQ(limberGetRecording(context_, recorded, nullptr, 0, &size), LIMBER_SUCCESS);
-  std::vector<unsigned char> bytes(size);
+  Vector<unsigned char> bytes(size);
   ASSERT_EQ(limberGetRecording(context_, recorded, bytes.data(), size, &size), LIMBER_SUCCESS);
 
   struct Seen {
     CapiInput* test;
-    std::vector<std::vector<double>> blends;
+    Vector<Vector<double>> blends;
   } seen{this, {}};
 
   static const auto* blend = &blend_of;

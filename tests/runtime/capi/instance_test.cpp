@@ -1,6 +1,7 @@
 // The C interface gives what the runtime behind it gives, to the bit.
 #include "c_caller.h"
 #include "capi_fixture.h"
+#include "core/vector.h"
 #include "load/rig_loader.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
@@ -18,7 +19,7 @@ struct HostVertex {
   float position[3], texcoord[2], normal[3], tangent[4];
 };
 
-LimberSkinDef SkinInto(std::vector<HostVertex>* vertices) {
+LimberSkinDef SkinInto(Vector<HostVertex>* vertices) {
   LimberSkinDef def = limberDefaultSkinDef();
   def.num_vertices = uint32_t(vertices->size());
   def.positions = {vertices->data()->position, sizeof(HostVertex)};
@@ -38,7 +39,7 @@ TEST_F(CapiTest, SolvesAndSkinsAsTheRuntime) {
   ASSERT_TRUE(rig.ok());
   PoseState state = PoseState::Create(*rig).value();
   CpuSkinner skinner = CpuSkinner::Create((*rig)->mesh(), (*rig)->tables().space).value();
-  std::vector<HostVertex> vertices(info_.num_vertices);
+  Vector<HostVertex> vertices(info_.num_vertices);
   for (HostVertex& vertex : vertices)
     vertex.texcoord[0] = vertex.texcoord[1] = 7;
   LimberSkinDef skin = SkinInto(&vertices);
@@ -79,15 +80,15 @@ TEST_F(CapiTest, SolvesAndSkinsAsTheRuntime) {
       ASSERT_EQ(bounds[1][axis], (*high)[axis]);
     }
   }
-  std::vector<double> weights(size_t(info_.num_groups) * size_t(info_.num_shapes));
+  Vector<double> weights(size_t(info_.num_groups) * size_t(info_.num_shapes));
   ASSERT_EQ(limberGetBlendWeights(context_, instance_, weights.data(), weights.size()),
             LIMBER_SUCCESS);
   EXPECT_TRUE(std::equal(weights.begin(), weights.end(), state.blend_weights().begin()));
 }
 
 TEST_F(CapiTest, PositionsAlone_AreTheSamePositions) {
-  std::vector<HostVertex> all(info_.num_vertices);
-  std::vector<float> positions(3 * info_.num_vertices);
+  Vector<HostVertex> all(info_.num_vertices);
+  Vector<float> positions(3 * info_.num_vertices);
   const LimberSkinDef skin = SkinInto(&all);
   LimberSkinDef alone = limberDefaultSkinDef();
   alone.num_vertices = info_.num_vertices;
@@ -117,7 +118,7 @@ TEST_F(CapiTest, InstancesOutliveTheirRigsId) {
 }
 
 TEST_F(CapiTest, ResetToRest_IsTheRestPose) {
-  std::vector<HostVertex> before(info_.num_vertices), after(info_.num_vertices);
+  Vector<HostVertex> before(info_.num_vertices), after(info_.num_vertices);
   LimberSkinDef skin = SkinInto(&before);
   ASSERT_EQ(limberSkin(context_, instance_, &skin), LIMBER_SUCCESS);
   const float far[] = {0.3f * info_.diagonal, 0, 0}, turn[] = {0, 0, 0.5f, 1};
@@ -140,7 +141,7 @@ TEST_F(CapiTest, ResetToRest_IsTheRestPose) {
 
 // Weights, shapes and the solver's scratch are the rig's: an instance is a small thing beside them.
 TEST_F(CapiTest, AnotherInstance_TakesLittle) {
-  std::vector<HostVertex> vertices(info_.num_vertices);
+  Vector<HostVertex> vertices(info_.num_vertices);
   const LimberSkinDef skin = SkinInto(&vertices);
   ASSERT_EQ(limberSkin(context_, instance_, &skin), LIMBER_SUCCESS);
   ASSERT_EQ(limberSolve(context_, instance_, nullptr, nullptr), LIMBER_SUCCESS);
@@ -164,7 +165,7 @@ TEST_F(CapiTest, AnotherInstance_TakesLittle) {
 
 // The leak sanitizer looks at what this leaves behind.
 TEST(CapiCycles, CreatedAndDestroyedAgainAndAgain_LeaveNothing) {
-  const std::vector<char> file = ReadBytes(BakedTube());
+  const Vector<char> file = ReadBytes(BakedTube());
   for (int cycle = 0; cycle < 30; ++cycle) {
     LimberContextDef def = limberDefaultContextDef();
     def.num_threads = 2;
@@ -173,7 +174,7 @@ TEST(CapiCycles, CreatedAndDestroyedAgainAndAgain_LeaveNothing) {
     LimberRigId rig;
     ASSERT_EQ(limberLoadRigFromMemory(context, file.data(), file.size(), "tube", nullptr, &rig),
               LIMBER_SUCCESS);
-    std::vector<LimberInstanceId> instances(4);
+    Vector<LimberInstanceId> instances(4);
     for (LimberInstanceId& instance : instances)
       ASSERT_EQ(limberCreateInstance(context, rig, nullptr, &instance), LIMBER_SUCCESS);
     ASSERT_EQ(limberSolveMany(context, instances.data(), 4, nullptr, nullptr, nullptr),
@@ -190,7 +191,7 @@ TEST(CapiCycles, CreatedAndDestroyedAgainAndAgain_LeaveNothing) {
 // Instances of one rig on two threads, while a third loads rigs and makes and ends instances.
 TEST_F(CapiTest, ManyThreads_OneInstanceEach_SameBits) {
   constexpr int kFrames = 200;
-  const auto run = [&](LimberInstanceId instance, std::vector<float>* positions) {
+  const auto run = [&](LimberInstanceId instance, Vector<float>* positions) {
     LimberSkinDef skin = limberDefaultSkinDef();
     positions->resize(3 * info_.num_vertices);
     skin.num_vertices = info_.num_vertices;
@@ -202,7 +203,7 @@ TEST_F(CapiTest, ManyThreads_OneInstanceEach_SameBits) {
       EXPECT_EQ(limberSkin(context_, instance, &skin), LIMBER_SUCCESS);
     }
   };
-  std::vector<float> alone, first, second;
+  Vector<float> alone, first, second;
   LimberInstanceId others[2];
   for (LimberInstanceId& other : others)
     ASSERT_EQ(limberCreateInstance(context_, rig_, nullptr, &other), LIMBER_SUCCESS);
@@ -224,7 +225,7 @@ TEST_F(CapiTest, ManyThreads_OneInstanceEach_SameBits) {
 }
 
 TEST(CapiFromC, DragsACharacter) {
-  const std::vector<char> bytes = ReadBytes(BakedTube());
+  const Vector<char> bytes = ReadBytes(BakedTube());
   ASSERT_FALSE(bytes.empty());
   float moved[3];
   uint32_t num_vertices = 0;

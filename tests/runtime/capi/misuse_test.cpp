@@ -1,5 +1,6 @@
 // Every misuse gets a code and one line that says what was wrong; none crashes.
 #include "capi_fixture.h"
+#include "core/vector.h"
 
 #include <array>
 #include <cstring>
@@ -18,7 +19,7 @@ struct Misuse {
 
 class CapiMisuse : public CapiTest {
  protected:
-  void ExpectRefused(const std::vector<Misuse>& all) {
+  void ExpectRefused(const Vector<Misuse>& all) {
     for (const Misuse& misuse : all) {
       log_.clear();
       EXPECT_EQ(misuse.call(), misuse.expected) << misuse.what << ": " << Message();
@@ -82,9 +83,9 @@ TEST_F(CapiMisuse, StaleAndInventedIds) {
   LimberInstanceId next;  // in the same slot
   ASSERT_EQ(limberCreateInstance(context_, rig_, nullptr, &next), LIMBER_SUCCESS);
   EXPECT_EQ(next.index, gone.index);
-  const std::vector<LimberInstanceId> none = {
+  const Vector<LimberInstanceId> none = {
       gone, {0, 0}, {12345, 1}, {UINT32_MAX, UINT32_MAX}, {instance_.index, 77}};
-  std::vector<Misuse> all;
+  Vector<Misuse> all;
   for (const LimberInstanceId id : none) {
     all.push_back({"solve", LIMBER_ERROR_STALE_ID, "is gone, or never was",
                    [=, this] { return limberSolve(context_, id, nullptr, nullptr); }});
@@ -143,7 +144,7 @@ TEST_F(CapiMisuse, WrongNumbers) {
 }
 
 TEST_F(CapiMisuse, SkinOutputs) {
-  std::vector<float> room(16 * size_t{info_.num_vertices});
+  Vector<float> room(16 * size_t{info_.num_vertices});
   const auto with = [&](size_t stride, uint32_t count) {
     LimberSkinDef def = limberDefaultSkinDef();
     def.num_vertices = count;
@@ -219,7 +220,7 @@ TEST_F(CapiTest, BadFiles_AreRefusedWithTheFile) {
   LimberRigId rig;
   EXPECT_EQ(limberLoadRig(context_, "/nowhere/x.glb", nullptr, &rig), LIMBER_ERROR_NOT_FOUND);
   EXPECT_NE(Message().find("/nowhere/x.glb"), std::string::npos);
-  std::vector<char> bytes = ReadBytes(BakedTube());
+  Vector<char> bytes = ReadBytes(BakedTube());
   bytes.resize(bytes.size() / 2);
   EXPECT_EQ(limberLoadRigFromMemory(context_, bytes.data(), bytes.size(), "half", nullptr, &rig),
             LIMBER_ERROR_MALFORMED);

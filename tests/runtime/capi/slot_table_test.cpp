@@ -1,11 +1,12 @@
 // Ids that are never mistaken for another's, found while others come and go.
 #include "capi/slot_table.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
-#include <vector>
 
 namespace limber::capi {
 namespace {
@@ -20,7 +21,7 @@ TEST(SlotTable, FindsWhatIsThere_AndNothingElse) {
   SlotTable<int> table;
   EXPECT_EQ(table.Find({0, 0}), nullptr);
   EXPECT_EQ(table.Find({0, 1}), nullptr);
-  std::vector<SlotId> ids;
+  Vector<SlotId> ids;
   for (int i = 0; i < 3000; ++i)
     ids.push_back(Insert(&table, i));
   for (int i = 0; i < 3000; ++i) {
@@ -57,7 +58,7 @@ TEST(SlotTable, ReadersGoOn_WhileOthersComeAndGo) {
     }
   });
   for (int round = 0; round < 20; ++round) {
-    std::vector<SlotId> ids;
+    Vector<SlotId> ids;
     for (int i = 0; i < 500; ++i)
       ids.push_back(Insert(&table, i));
     for (const SlotId id : ids)

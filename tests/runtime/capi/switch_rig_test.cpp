@@ -1,5 +1,6 @@
 // A character baked again under instances that live on.
 #include "capi_fixture.h"
+#include "core/vector.h"
 
 #include <atomic>
 #include <cmath>
@@ -17,8 +18,8 @@ class CapiSwitch : public CapiTest {
     return rig;
   }
 
-  std::vector<float> Skin(LimberInstanceId instance) {
-    std::vector<float> positions(size_t{3} * info_.num_vertices);
+  Vector<float> Skin(LimberInstanceId instance) {
+    Vector<float> positions(size_t{3} * info_.num_vertices);
     LimberSkinDef skin = limberDefaultSkinDef();
     skin.num_vertices = info_.num_vertices;
     skin.positions.data = positions.data();
@@ -43,16 +44,16 @@ TEST_F(CapiSwitch, SameCharacterLoadedAgain_KeepsThePose) {
   ASSERT_EQ(limberUnpin(context_, instance_, 1), LIMBER_SUCCESS);
   ASSERT_EQ(limberSetTargetRotation(context_, instance_, 0, turn, 10), LIMBER_SUCCESS);
   Solve(300);
-  const std::vector<float> before = Skin(instance_);
+  const Vector<float> before = Skin(instance_);
   const LimberRigId again = Load("v2/tube.glb");
   ASSERT_EQ(limberSwitchRig(context_, instance_, again), LIMBER_SUCCESS) << Message();
   ASSERT_EQ(limberDestroyRig(context_, rig_), LIMBER_SUCCESS);
   LimberHandleState of;
   ASSERT_EQ(limberGetHandle(context_, instance_, 0, &of), LIMBER_SUCCESS);
-  EXPECT_EQ(std::vector<float>(of.target, of.target + 3), std::vector<float>(target, target + 3));
+  EXPECT_EQ(Vector<float>(of.target, of.target + 3), Vector<float>(target, target + 3));
   ASSERT_EQ(limberGetHandle(context_, instance_, 1, &of), LIMBER_SUCCESS);
   EXPECT_EQ(of.pinned, 0);
-  const std::vector<float> after = Skin(instance_);
+  const Vector<float> after = Skin(instance_);
   for (size_t i = 0; i < before.size(); ++i)
     ASSERT_NEAR(after[i], before[i], 1e-3f * size) << i;
   // What was asked for is asked for still: from a soft target to a hard one there is a way to go.
@@ -90,7 +91,7 @@ TEST_F(CapiSwitch, ReloadWhileFramesRun_NeverStopsThem) {
   std::atomic<uint64_t> newest = uint64_t{rig_.generation} << 32 | rig_.index;
   std::atomic<bool> ended = false;
   std::thread loader([&] {
-    std::vector<LimberRigId> old;
+    Vector<LimberRigId> old;
     for (int i = 0; i < 10; ++i) {
       const LimberRigId rig = Load("v2/tube.glb");
       newest = uint64_t{rig.generation} << 32 | rig.index;

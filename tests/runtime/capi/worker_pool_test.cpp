@@ -1,9 +1,10 @@
 #include "capi/worker_pool.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <numeric>
-#include <vector>
 
 namespace limber::capi {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 struct Counts {
   explicit Counts(size_t size) : of(size) {}
 
-  std::vector<std::atomic<int>> of;
+  Vector<std::atomic<int>> of;
 };
 
 void Count(void* data, uint32_t index) {

@@ -3,6 +3,7 @@
 
 #include "limber/limber_vulkan.h"
 
+#include "core/vector.h"
 #include "runtime/capi/capi_fixture.h"
 #include "runtime/skin_vulkan/test_device.h"
 #include "skin_vulkan/vulkan_buffer.h"
@@ -70,9 +71,9 @@ class CapiVulkanTest : public CapiTest {
   }
 
   // Records, submits, waits and reads back.
-  std::vector<HostVertex> RunFrame(viewer::VulkanDevice* device, LimberVulkanId vulkan,
-                                   uint32_t slot, const std::vector<LimberVulkanSkinDef>& skins,
-                                   const VulkanBuffer& vertices) {
+  Vector<HostVertex> RunFrame(viewer::VulkanDevice* device, LimberVulkanId vulkan, uint32_t slot,
+                              const Vector<LimberVulkanSkinDef>& skins,
+                              const VulkanBuffer& vertices) {
     VulkanBuffer copy_of;
     EXPECT_TRUE(copy_of
                     .Create(device->api(), vertices.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
@@ -92,7 +93,7 @@ class CapiVulkanTest : public CapiTest {
       vkCmdCopyBuffer(commands, vertices.handle(), copy_of.handle(), 1, &copy);
     });
     EXPECT_TRUE(status.ok()) << status.message();
-    std::vector<HostVertex> read(vertices.size() / sizeof(HostVertex));
+    Vector<HostVertex> read(vertices.size() / sizeof(HostVertex));
     std::memcpy(read.data(), copy_of.mapped(), vertices.size());
     return read;
   }
@@ -112,8 +113,8 @@ class CapiVulkanTest : public CapiTest {
   }
 
   // The CPU's skin of an instance.
-  std::vector<HostVertex> CpuSkin(LimberInstanceId instance) {
-    std::vector<HostVertex> vertices(info_.num_vertices);
+  Vector<HostVertex> CpuSkin(LimberInstanceId instance) {
+    Vector<HostVertex> vertices(info_.num_vertices);
     LimberSkinDef def = limberDefaultSkinDef();
     def.num_vertices = info_.num_vertices;
     def.positions = {vertices[0].position, sizeof(HostVertex)};
@@ -124,8 +125,8 @@ class CapiVulkanTest : public CapiTest {
   }
 
   // Vertices `first` and so on are the CPU's, within what rounding explains.
-  void ExpectSkinned(const std::vector<HostVertex>& gpu, size_t first, LimberInstanceId instance) {
-    const std::vector<HostVertex> cpu = CpuSkin(instance);
+  void ExpectSkinned(const Vector<HostVertex>& gpu, size_t first, LimberInstanceId instance) {
+    const Vector<HostVertex> cpu = CpuSkin(instance);
     ASSERT_LE(first + cpu.size(), gpu.size());
     for (size_t i = 0; i < cpu.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,6 @@
 // limber_vulkan.h: frames as an engine records them.
 #include "capi_vulkan_fixture.h"
+#include "core/vector.h"
 
 namespace limber::test {
 namespace {
@@ -12,10 +13,10 @@ TEST_F(CapiVulkan, RecordedSkins_AreThoseOfTheCpu) {
   ASSERT_EQ(limberPrepareVulkanRig(context_, vulkan_, rig_), LIMBER_SUCCESS) << Message();
   const uint32_t count = info_.num_vertices;
   const VulkanBuffer vertices = MakeVertices(*device_, 2 * count);
-  const std::vector<LimberVulkanSkinDef> skins = {
+  const Vector<LimberVulkanSkinDef> skins = {
       SkinInto(vertices.handle(), 0, instance_, count),
       SkinInto(vertices.handle(), count * sizeof(HostVertex), other, count)};
-  std::vector<HostVertex> before;
+  Vector<HostVertex> before;
   for (uint32_t frame = 0; frame < 4; ++frame) {
     Move(instance_, 0.1f * static_cast<float>(frame) * info_.diagonal);
     Move(other, -0.05f * static_cast<float>(frame) * info_.diagonal);
@@ -45,12 +46,12 @@ TEST_F(CapiVulkan, InstancesWithoutRoomForTheCpu_AreSkinned) {
 
 // As when a character was baked again while the game runs.
 TEST_F(CapiVulkan, RigsThatAreGone_LeaveTheDevice) {
-  std::vector<VkBuffer> out;
+  Vector<VkBuffer> out;
   LimberVulkanDef def = DefOf(*device_);
 
   struct Counted {
     const VulkanApi* api;
-    std::vector<std::unique_ptr<VulkanBuffer>> out;
+    Vector<std::unique_ptr<VulkanBuffer>> out;
   } counted{&device_->api(), {}};
 
   def.buffer_user = &counted;
@@ -71,7 +72,7 @@ TEST_F(CapiVulkan, RigsThatAreGone_LeaveTheDevice) {
   LimberVulkanId vulkan;
   ASSERT_EQ(limberCreateVulkan(context_, &def, &vulkan), LIMBER_SUCCESS) << Message();
   const VulkanBuffer vertices = MakeVertices(*device_, info_.num_vertices);
-  const std::vector<LimberVulkanSkinDef> skins = {
+  const Vector<LimberVulkanSkinDef> skins = {
       SkinInto(vertices.handle(), 0, instance_, info_.num_vertices)};
   const auto run = [&](uint32_t frames) {
     for (uint32_t frame = 0; frame < frames; ++frame)

@@ -1,5 +1,6 @@
 // Every misuse of limber_vulkan.h gets a code and one line; none crashes or records anything.
 #include "capi_vulkan_fixture.h"
+#include "core/vector.h"
 
 #include <functional>
 
@@ -15,7 +16,7 @@ class CapiVulkanMisuse : public CapiVulkanTest {
   }
 
   // No command buffer would survive being recorded into: it is none.
-  LimberResult Record(const std::vector<LimberVulkanSkinDef>& skins, uint32_t slot = 0) {
+  LimberResult Record(const Vector<LimberVulkanSkinDef>& skins, uint32_t slot = 0) {
     LimberVulkanFrameDef frame = limberDefaultVulkanFrameDef();
     frame.commands = reinterpret_cast<VkCommandBuffer>(uintptr_t{16});
     frame.slot = slot;
@@ -108,7 +109,7 @@ TEST_F(CapiVulkanMisuse, OlderDefs_AreCompletedElementByElement) {
   const uint32_t count = info_.num_vertices;
   const VulkanBuffer vertices = MakeVertices(*device_, 2 * count);
   constexpr size_t kOldSize = offsetof(LimberVulkanSkinDef, last_positions);
-  std::vector<LimberVulkanSkinDef> skins(2, limberDefaultVulkanSkinDef());
+  Vector<LimberVulkanSkinDef> skins(2, limberDefaultVulkanSkinDef());
   for (size_t i = 0; i < 2; ++i) {
     LimberVulkanSkinDef def = SkinInto(vertices.handle(), i * count * sizeof(HostVertex),
                                        i == 0 ? instance_ : other, count);

@@ -1,6 +1,7 @@
 // Clips on handle nodes against closed forms, in files whose nodes stand in all sorts of places.
 #include "clips/handle_clips.h"
 
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 #include "load/glb_container.h"
 #include "load/rig_loader.h"
@@ -21,7 +22,7 @@ constexpr double kClose = 1e-6;
 GltfParts BakedTube() {
   std::ifstream stream(std::string(LIMBER_SOURCE_DIR) + "/content/baked/v2/tube.glb",
                        std::ios::binary);
-  const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  const Vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
   const Result<GlbChunks> chunks = SplitGlb(bytes);
   EXPECT_TRUE(chunks.ok());
   GltfParts parts;
@@ -37,11 +38,11 @@ size_t AddAnimation(GltfParts* parts, const std::string& name) {
   return parts->json["animations"].size() - 1;
 }
 
-std::vector<float> AboutZ(double angle) {
+Vector<float> AboutZ(double angle) {
   return {0, 0, static_cast<float>(std::sin(angle / 2)), static_cast<float>(std::cos(angle / 2))};
 }
 
-std::vector<float> Joined(std::vector<float> a, const std::vector<float>& b) {
+Vector<float> Joined(Vector<float> a, const Vector<float>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
@@ -49,7 +50,7 @@ std::vector<float> Joined(std::vector<float> a, const std::vector<float>& b) {
 struct Loaded {
   std::shared_ptr<const Rig> rig;
   std::shared_ptr<const HandleClips> clips;
-  std::vector<std::string> warnings;
+  Vector<std::string> warnings;
 };
 
 Loaded Load(const GltfParts& parts) {

@@ -1,6 +1,7 @@
 // Values between keyframes against closed forms.
 #include "clips/keyframe_track.h"
 
+#include "core/vector.h"
 #include "editor_tools/animation/animated_bar.h"
 
 #include <gtest/gtest.h>
@@ -12,23 +13,23 @@ namespace {
 
 constexpr double kExact = 1e-12;
 
-KeyframeTrack ScalarTrack(Interpolation interpolation, std::vector<double> times,
-                          std::vector<double> values) {
+KeyframeTrack ScalarTrack(Interpolation interpolation, Vector<double> times,
+                          Vector<double> values) {
   return {interpolation, 1, std::move(times), std::move(values)};
 }
 
-std::vector<double> AboutAxis(const Eigen::Vector3d& axis, double angle) {
+Vector<double> AboutAxis(const Eigen::Vector3d& axis, double angle) {
   const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, axis.normalized()));
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
-KeyframeTrack RotationTrack(const std::vector<double>& from, const std::vector<double>& to) {
+KeyframeTrack RotationTrack(const Vector<double>& from, const Vector<double>& to) {
   KeyframeTrack track{Interpolation::kLinear, 4, {1, 3}, from};
   track.values.insert(track.values.end(), to.begin(), to.end());
   return track;
 }
 
-double AngleBetween(const Eigen::Quaterniond& a, const std::vector<double>& b) {
+double AngleBetween(const Eigen::Quaterniond& a, const Vector<double>& b) {
   return a.angularDistance(Eigen::Quaterniond(b[3], b[0], b[1], b[2]));
 }
 
@@ -52,7 +53,7 @@ TEST(KeyframeTrack, Step_HoldsEachKeyUntilTheNext) {
 TEST(KeyframeTrack, Linear_IsTheLineThroughItsKeys) {
   const KeyframeTrack track{Interpolation::kLinear, 3, {0, 1, 4}, {0, 10, -1, 1, 20, -1, 7, 2, 5}};
   for (const double u : {0.0, 0.25, 0.9}) {
-    const std::vector<double> value = SampleTrack(track, 1 + 3 * u);
+    const Vector<double> value = SampleTrack(track, 1 + 3 * u);
     EXPECT_NEAR(value[0], 1 + 6 * u, kExact);
     EXPECT_NEAR(value[1], 20 - 18 * u, kExact);
     EXPECT_NEAR(value[2], -1 + 6 * u, kExact);
@@ -93,7 +94,7 @@ TEST(KeyframeTrack, LinearRotation_TurnsAtConstantSpeedAboutOneAxis) {
 
 TEST(KeyframeTrack, LinearRotation_TakesTheShorterWayWhateverTheSignOfItsKeys) {
   const Eigen::Vector3d axis(0, 1, 0);
-  std::vector<double> to = AboutAxis(axis, 0.8);
+  Vector<double> to = AboutAxis(axis, 0.8);
   const Eigen::Quaterniond expected = SampleRotation(RotationTrack(AboutAxis(axis, 0), to), 1.5);
   EXPECT_NEAR(AngleBetween(expected, AboutAxis(axis, 0.2)), 0, 1e-7);
   for (double& number : to)
@@ -124,7 +125,7 @@ TEST(KeyframeTrack, NormalisedIntegers_StandForTheirFractions) {
   channel.output = static_cast<int>(output);
   const auto track = ReadKeyframeTrack(*file, channel, 4, true);
   ASSERT_TRUE(track.ok()) << track.status().message();
-  EXPECT_EQ(track->values, (std::vector<double>{0, 0, 0, 1, 0, 0, 1, -1}));
+  EXPECT_EQ(track->values, (Vector<double>{0, 0, 0, 1, 0, 0, 1, -1}));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "runtime/convex_oracle/full_problem.h"
 
+#include "core/vector.h"
+
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -14,7 +16,7 @@ using Eigen::MatrixXd;
 // The floor under sqrt(D), relative to the root of the energy of one example (alternation.cpp).
 constexpr double kNearnessFloor = 1e-6;
 
-MatrixXd FromTable(const std::vector<float>& table, Index rows, Index columns) {
+MatrixXd FromTable(const Vector<float>& table, Index rows, Index columns) {
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   return Eigen::Map<const RowMajor>(table.data(), rows, columns).cast<double>();
 }

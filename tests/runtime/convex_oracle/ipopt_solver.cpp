@@ -1,5 +1,7 @@
 #include "runtime/convex_oracle/ipopt_solver.h"
 
+#include "core/vector.h"
+
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptData.hpp>
 #include <IpSolveStatistics.hpp>
@@ -9,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 namespace limber::oracle {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using Eigen::VectorXd;
 using Ipopt::Index;
 using Ipopt::Number;
-using Vector = Eigen::Map<const VectorXd>;
+using Point = Eigen::Map<const VectorXd>;
 
 // As J^T J is scaled (about one), f + delta^2 and r >= delta: below what the answers are compared
 // to.
@@ -88,7 +89,7 @@ class Program final : public Ipopt::TNLP {
 
   bool eval_f(Index /*n*/, const Number* x, bool is_new, Number& value) override {
     Update(x, is_new);
-    value = problem_.linear.dot(Vector(x, size_));
+    value = problem_.linear.dot(Point(x, size_));
     if (has_quotient_) {
       value += 0.5 * (f_ / x[size_] + x[size_]);
     } else {
@@ -106,7 +107,7 @@ class Program final : public Ipopt::TNLP {
 
   bool eval_g(Index /*n*/, const Number* x, bool is_new, Index m, Number* g) override {
     Update(x, is_new);  // a point is called new only once, whoever is asked first
-    Eigen::Map<VectorXd>(g, m) = problem_.equality * Vector(x, size_);
+    Eigen::Map<VectorXd>(g, m) = problem_.equality * Point(x, size_);
     return true;
   }
 
@@ -157,7 +158,7 @@ class Program final : public Ipopt::TNLP {
                          const Number* lower, const Number* upper, Index m, const Number* /*g*/,
                          const Number* lambda, Number /*objective*/, const Ipopt::IpoptData* data,
                          Ipopt::IpoptCalculatedQuantities* /*quantities*/) override {
-    iterate_ = {Vector(x, n), Vector(lower, n), Vector(upper, n), Vector(lambda, m)};
+    iterate_ = {Point(x, n), Point(lower, n), Point(upper, n), Point(lambda, m)};
     iterations_ = data != nullptr ? data->iter_count() : 0;
   }
 
@@ -172,7 +173,7 @@ class Program final : public Ipopt::TNLP {
 
   void Update(const Number* x, bool is_new) {
     if (!is_new && slope_.size() == size_) return;
-    const VectorXd residual = problem_.factor * Vector(x, size_) - problem_.goal;
+    const VectorXd residual = problem_.factor * Point(x, size_) - problem_.goal;
     f_ = 0.5 * residual.squaredNorm();
     slope_ = problem_.factor.transpose() * residual;
   }
@@ -181,7 +182,7 @@ class Program final : public Ipopt::TNLP {
   bool has_quotient_, has_root_;
   Index size_;
   Eigen::MatrixXd quadratic_;  // J^T J
-  std::vector<std::pair<Index, Index>> entries_, constraints_;
+  Vector<std::pair<Index, Index>> entries_, constraints_;
   Iterate& iterate_;
   double f_ = 0;
   VectorXd slope_;  // of f

@@ -1,13 +1,13 @@
 #include "core/status.h"
 
 #include "core/out_of_memory.h"
+#include "core/vector.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -32,10 +32,9 @@ TEST(CatchOutOfMemory, FailedAllocations_BecomeAStatus) {
   const Status too_much = CatchOutOfMemory("thing", []() -> Status { throw std::bad_alloc(); });
   EXPECT_EQ(too_much.code(), StatusCode::kOutOfMemory);
   EXPECT_EQ(too_much.message().rfind("thing: ", 0), 0u) << too_much.message();
-  const Result<std::vector<double>> too_long =
-      CatchOutOfMemory("", []() -> Result<std::vector<double>> {
-        return std::vector<double>(std::vector<double>().max_size() + 1);
-      });
+  const Result<Vector<double>> too_long = CatchOutOfMemory("", []() -> Result<Vector<double>> {
+    return Vector<double>(Vector<double>().max_size() + 1);
+  });
   EXPECT_EQ(too_long.status().code(), StatusCode::kOutOfMemory);
 }
 

@@ -1,4 +1,5 @@
 // What was recorded is what is replayed; damaged recordings are refused by byte.
+#include "core/vector.h"
 #include "drive/input_recorder.h"
 #include "drive/input_replay.h"
 #include "drive/rig_hash.h"
@@ -47,7 +48,7 @@ class Recording : public ::testing::Test {
   }
 
   // Forty frames in which everything happens that can be asked.
-  std::vector<uint8_t> Record() {
+  Vector<uint8_t> Record() {
     PoseState state = MakeState();
     InputRecorder recorder({HashRig(*rig_), PoseRoom()});
     const int right = rig_->FindHandle("right"), middle = rig_->FindHandle("middle_top");
@@ -101,12 +102,12 @@ class Recording : public ::testing::Test {
   }
 
   std::shared_ptr<const Rig> rig_;
-  std::vector<uint64_t> hashes_;
+  Vector<uint64_t> hashes_;
   int last_grab_ = -1;
 };
 
 TEST_F(Recording, Replayed_HasTheSameBits) {
-  const std::vector<uint8_t> bytes = Record();
+  const Vector<uint8_t> bytes = Record();
   ASSERT_EQ(hashes_.size(), size_t{kFrames});
   for (size_t i = 1; i < 30; ++i)
     ASSERT_NE(hashes_[i], hashes_[i - 1]) << "nothing moved";
@@ -119,7 +120,7 @@ TEST_F(Recording, Replayed_HasTheSameBits) {
 }
 
 TEST_F(Recording, AnotherTarget_IsNoticed) {
-  std::vector<uint8_t> bytes = Record();
+  Vector<uint8_t> bytes = Record();
   // The first event's y, behind head (8 + 8 + 9), kind and handle.
   bytes[25 + 1 + 4 + 4 + 3] ^= 0x3F;  // 0 becomes 0.5
   int frames = 0, different = 0;
@@ -128,7 +129,7 @@ TEST_F(Recording, AnotherTarget_IsNoticed) {
 }
 
 TEST_F(Recording, CutAnywhere_EndsAtAnEventOrIsRefused) {
-  const std::vector<uint8_t> bytes = Record();
+  const Vector<uint8_t> bytes = Record();
   int whole = 0, refused = 0;
   for (size_t size = 0; size < bytes.size(); size += 3) {
     int frames = 0, different = 0;
@@ -144,11 +145,11 @@ TEST_F(Recording, CutAnywhere_EndsAtAnEventOrIsRefused) {
 }
 
 TEST_F(Recording, DamagedAnywhere_NeverCrashes) {
-  const std::vector<uint8_t> bytes = Record();
+  const Vector<uint8_t> bytes = Record();
   std::mt19937 random(3);
   int refused = 0;
   for (int round = 0; round < 400; ++round) {
-    std::vector<uint8_t> damaged = bytes;
+    Vector<uint8_t> damaged = bytes;
     for (int i = 0; i < 3; ++i)
       damaged[random() % 700] = static_cast<uint8_t>(random());
     int frames = 0, different = 0;
@@ -158,7 +159,7 @@ TEST_F(Recording, DamagedAnywhere_NeverCrashes) {
 }
 
 TEST_F(Recording, OtherBakesAndOtherFiles_AreRefusedByName) {
-  std::vector<uint8_t> bytes = Record();
+  Vector<uint8_t> bytes = Record();
   const auto square = LoadRig(std::string(LIMBER_SOURCE_DIR) + "/content/baked/v3/square.glb");
   ASSERT_TRUE(square.ok());
   EXPECT_EQ(InputReplay::Create(**square, bytes).status().code(), StatusCode::kMeshMismatch);

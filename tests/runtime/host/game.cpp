@@ -7,11 +7,18 @@
 namespace engine {
 namespace {
 
-LimberContextDef ContextOf(Jobs* jobs) {
+LimberContextDef ContextOf(Jobs* jobs, Heap* memory) {
   LimberContextDef def = limberDefaultContextDef();
   def.tasks_user = jobs;
   def.run_tasks = [](void* user, LimberTask task, void* data, uint32_t count) {
     static_cast<Jobs*>(user)->Run(task, data, count);
+  };
+  def.memory_user = memory;
+  def.allocate = [](void* user, size_t size, size_t alignment) {
+    return static_cast<Heap*>(user)->Allocate(size, alignment);
+  };
+  def.free = [](void* user, void* piece, size_t size, size_t alignment) {
+    static_cast<Heap*>(user)->Free(piece, size, alignment);
   };
   return def;
 }
@@ -41,9 +48,9 @@ glm::vec2 Stick(double time) {
 
 }  // namespace
 
-Game::Game(const std::vector<Kind>& kinds, Jobs* jobs, bool records)
+Game::Game(const std::vector<Kind>& kinds, Jobs* jobs, Heap* memory, bool records)
     : jobs_(jobs),
-      context_(ContextOf(jobs)),
+      context_(ContextOf(jobs, memory)),
       records_(records) {
   for (const Kind& from : kinds) {
     Kind kind;

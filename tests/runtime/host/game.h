@@ -1,6 +1,7 @@
 // A game of dozens of characters that dance to a scripted gamepad, at a fixed time step.
 #pragma once
 
+#include "engine_heap.h"
 #include "engine_jobs.h"
 #include "engine_memory.h"
 #include "engine_renderer.h"
@@ -39,8 +40,9 @@ class Game {
  public:
   static constexpr double kTimeStep = 1.0 / 60;
 
-  // `jobs` must outlive the game. records: whether the first actor's input is recorded.
-  Game(const std::vector<Kind>& kinds, Jobs* jobs, bool records);
+  // `jobs` and `memory` must outlive the game. records: whether the first actor's input is
+  // recorded.
+  Game(const std::vector<Kind>& kinds, Jobs* jobs, Heap* memory, bool records);
 
   // Puts the game on a device, again after another was lost; takes it off.
   void Attach(Device* device, BufferHeap* heap);

@@ -136,6 +136,8 @@ class Host : public ::testing::Test {
     }
   };
 
+  void TearDown() override { EXPECT_EQ(memory_.num_live(), 0) << "of the engine's memory"; }
+
   void SetUp() override {
     std::string reason = limber::test::PrepareVulkan();
     if (reason.empty()) screen_ = MakeScreen(&reason);
@@ -162,12 +164,13 @@ class Host : public ::testing::Test {
     }
   }
 
+  Heap memory_{size_t{128} << 20};  // what the game has for its characters
   std::unique_ptr<Screen> screen_;
 };
 
 TEST_F(Host, DozensOfCharacters_AreSolvedSkinnedAndDrawn) {
   Jobs jobs(2);
-  Game game(Kinds(), &jobs, false);
+  Game game(Kinds(), &jobs, &memory_, false);
   ASSERT_EQ(game.actors().size(), 36u);
   game.Attach(screen_->device.get(), screen_->heap.get());
   std::vector<std::vector<uint8_t>> pictures;
@@ -187,6 +190,8 @@ TEST_F(Host, DozensOfCharacters_AreSolvedSkinnedAndDrawn) {
     if (until == 3) num_buffers = screen_->heap->num_made();
   }
   EXPECT_EQ(screen_->heap->num_made(), num_buffers) << "steady frames ask for buffers";
+  std::printf("36 characters of %zu kinds: at most %.1f MB\n", game.kinds().size(),
+              1e-6 * static_cast<double>(memory_.most_used()));
   EXPECT_NE(pictures[1], pictures[2]);
   EXPECT_NE(pictures[2], pictures[3]);
   EXPECT_GT(jobs.num_stolen(), 0) << "the engine's workers had nothing to do";
@@ -198,7 +203,7 @@ TEST_F(Host, AnyNumberOfWorkers_GivesTheSameBits) {
   std::vector<std::vector<double>> results;
   for (const int workers : {1, 2, 4}) {
     Jobs jobs(workers);
-    Game game(Kinds(), &jobs, false);
+    Game game(Kinds(), &jobs, &memory_, false);
     for (int frame = 0; frame < 40; ++frame)
       game.Step();
     results.push_back(AllBlends(game));
@@ -209,19 +214,21 @@ TEST_F(Host, AnyNumberOfWorkers_GivesTheSameBits) {
 
 TEST_F(Host, SteadySteps_AllocateNothing) {
   Jobs jobs(1);
-  Game game(Kinds(), &jobs, false);
+  Game game(Kinds(), &jobs, &memory_, false);
   for (int frame = 0; frame < 10; ++frame)
     game.Step();
   const int64_t before = limber::test::AllocationCount();
+  const int pieces_before = memory_.num_made();
   for (int frame = 0; frame < 60; ++frame)
     game.Step();
   EXPECT_EQ(limber::test::AllocationCount(), before);
+  EXPECT_EQ(memory_.num_made(), pieces_before);
 }
 
 // The game goes on where it was, on the next device, with a kind that was baked again meanwhile.
 TEST_F(Host, DeviceLossAndHotReload_DoNotEndTheGame) {
   Jobs jobs(2);
-  Game game(Kinds(), &jobs, false);
+  Game game(Kinds(), &jobs, &memory_, false);
   game.Attach(screen_->device.get(), screen_->heap.get());
   Play(&game, 0, 6);
   const std::vector<double> before = AllBlends(game);
@@ -248,7 +255,7 @@ TEST_F(Host, DeviceLossAndHotReload_DoNotEndTheGame) {
 
 TEST_F(Host, RecordingOfAnActor_ReplaysBitForBit) {
   Jobs jobs(2);
-  Game game(Kinds(), &jobs, true);
+  Game game(Kinds(), &jobs, &memory_, true);
   for (int frame = 0; frame < 50; ++frame)
     game.Step();
   const Actor& actor = game.actors()[0];

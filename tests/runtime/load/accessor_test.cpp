@@ -1,4 +1,5 @@
 // Accessors: every layout that glTF allows, and every way to leave the buffer.
+#include "core/vector.h"
 #include "load/gltf_accessor.h"
 #include "runtime/load/small_gltf.h"
 
@@ -9,7 +10,7 @@
 namespace limber::test {
 namespace {
 
-using Floats = std::vector<float>;
+using Floats = Vector<float>;
 using Json = nlohmann::ordered_json;
 
 Result<Floats> Read(const SmallGltf& gltf, size_t accessor, int components,
@@ -153,7 +154,7 @@ TEST(Accessor, Indices_MustStayBelowTheBound) {
   const AccessorRequest request{2, 1, "indices"};
   const auto good = ReadIndices(*file, request, 3);
   ASSERT_TRUE(good.ok());
-  EXPECT_EQ(*good, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(*good, (Vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(ReadIndices(*file, request, 2).status().message(),
             "indices (accessor 2): element 2 is 2, allowed is below 2");
   EXPECT_FALSE(ReadIndices(*file, {0, 1, "floats"}, 3).ok());

@@ -1,4 +1,5 @@
 // Files made to do harm: each gives a Status, and nothing else.
+#include "core/vector.h"
 #include "load/gltf_file.h"
 #include "load/gltf_mesh.h"
 #include "load/rig_loader.h"
@@ -31,7 +32,7 @@ TEST(Hostile, TheGoodFileBehindAllThese_IsRead) {
 }
 
 TEST(Hostile, GlbTruncatedAtEveryLength_IsMalformed) {
-  const std::vector<uint8_t> whole = SmallGltf().Glb();
+  const Vector<uint8_t> whole = SmallGltf().Glb();
   for (size_t length = 0; length < whole.size(); ++length) {
     const Status status = ReadAll(GltfFile::Parse({whole.data(), length}, "cut.glb"));
     EXPECT_EQ(status.code(), StatusCode::kMalformed) << length << ": " << status.message();
@@ -40,11 +41,11 @@ TEST(Hostile, GlbTruncatedAtEveryLength_IsMalformed) {
 }
 
 TEST(Hostile, EveryByteOfAGlbChanged_NeverCrashes) {
-  const std::vector<uint8_t> whole = SmallGltf().Glb();
+  const Vector<uint8_t> whole = SmallGltf().Glb();
   int refused = 0;
   for (size_t at = 0; at < whole.size(); ++at) {
     for (const uint8_t value : {uint8_t{0}, uint8_t{0xFF}, uint8_t{'9'}, uint8_t{'{'}}) {
-      std::vector<uint8_t> bytes = whole;
+      Vector<uint8_t> bytes = whole;
       bytes[at] = value;
       refused += ReadAll(GltfFile::Parse(bytes, "changed.glb")).ok() ? 0 : 1;
     }
@@ -61,21 +62,21 @@ void Replace(const Json& whole, const Json::json_pointer& at, int* refused, int*
     }
   }
   if (at.empty()) return;
-  static const std::vector<Json> kBadValues = {nullptr,
-                                               "text",
-                                               Json::array(),
-                                               Json::object(),
-                                               -1,
-                                               1.5,
-                                               77,
-                                               2147483647,
-                                               2147483648u,
-                                               4294967296u,
-                                               9007199254740993,
-                                               4611686018427387904,
-                                               18446744073709551615u,
-                                               1e300,
-                                               true};
+  static const Vector<Json> kBadValues = {nullptr,
+                                          "text",
+                                          Json::array(),
+                                          Json::object(),
+                                          -1,
+                                          1.5,
+                                          77,
+                                          2147483647,
+                                          2147483648u,
+                                          4294967296u,
+                                          9007199254740993,
+                                          4611686018427387904,
+                                          18446744073709551615u,
+                                          1e300,
+                                          true};
   for (const Json& bad : kBadValues) {
     SmallGltf gltf;
     gltf.json = whole;
@@ -212,7 +213,7 @@ TEST(Hostile, UrisOutOfTheFolder_ReadNothing) {
 
 TEST(Hostile, Limits_AreSettings) {
   const SmallGltf gltf;
-  const std::vector<uint8_t> bytes = gltf.Glb();
+  const Vector<uint8_t> bytes = gltf.Glb();
   const auto status_with = [&bytes](const std::function<void(GltfLimits*)>& set) {
     GltfLimits limits;
     set(&limits);

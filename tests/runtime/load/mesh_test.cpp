@@ -1,4 +1,5 @@
 // One mesh out of primitives of every kind.
+#include "core/vector.h"
 #include "load/gltf_mesh.h"
 #include "runtime/load/small_gltf.h"
 
@@ -19,10 +20,10 @@ TEST(MorphMesh, Triangle_HasItsShapes) {
   const auto mesh = Read(SmallGltf());
   ASSERT_TRUE(mesh.ok()) << mesh.status().message();
   EXPECT_EQ(mesh->num_vertices(), 3u);
-  EXPECT_EQ(mesh->triangles, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(mesh->triangles, (Vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(mesh->positions[1], (Vec3{1, 0, 0}));
   EXPECT_EQ(mesh->targets[0][2], (Vec3{0, 0, 2}));
-  EXPECT_EQ(mesh->target_names, (std::vector<std::string>{"target_0"}));
+  EXPECT_EQ(mesh->target_names, (Vector<std::string>{"target_0"}));
 }
 
 TEST(MorphMesh, StripAndFan_BecomeTriangles) {
@@ -36,11 +37,11 @@ TEST(MorphMesh, StripAndFan_BecomeTriangles) {
   auto mesh = Read(gltf);
   ASSERT_TRUE(mesh.ok());
   // (0 1 2), then two that repeat a corner are dropped, then (2 0 1), turned as its place asks.
-  EXPECT_EQ(mesh->triangles, (std::vector<uint32_t>{0, 1, 2, 2, 1, 0}));
+  EXPECT_EQ(mesh->triangles, (Vector<uint32_t>{0, 1, 2, 2, 1, 0}));
   primitive["mode"] = 6;
   mesh = Read(gltf);
   ASSERT_TRUE(mesh.ok());
-  EXPECT_EQ(mesh->triangles, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(mesh->triangles, (Vector<uint32_t>{0, 1, 2}));
 }
 
 TEST(MorphMesh, PrimitiveWithoutTargets_StaysAtRest) {
@@ -54,7 +55,7 @@ TEST(MorphMesh, PrimitiveWithoutTargets_StaysAtRest) {
   ASSERT_EQ(mesh->num_vertices(), 6u);
   EXPECT_EQ(mesh->targets[0][2], (Vec3{0, 0, 2}));
   EXPECT_EQ(mesh->targets[0][5], Vec3());
-  EXPECT_EQ(mesh->triangles, (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(mesh->triangles, (Vector<uint32_t>{0, 1, 2, 3, 4, 5}));
   EXPECT_EQ(mesh->primitives[1].first_vertex, 3u);
 }
 

@@ -1,4 +1,5 @@
 // Text of a hostile file inside messages: one line, of bounded length, without control characters.
+#include "core/vector.h"
 #include "load/gltf_file.h"
 #include "load/gltf_mesh.h"
 #include "load/rig_loader.h"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <functional>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 namespace {
@@ -57,7 +57,7 @@ TEST(Message, TextOfTheFile_CannotBreakTheLine) {
        [](Json* j) { (*j)["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = kEvil; }},
       {"child", [](Json* j) { (*j)["nodes"][0]["children"] = {kEvil}; }},
       {"array for a child",
-       [](Json* j) { (*j)["nodes"][0]["children"] = {Json(std::vector<int>(100000, 7))}; }},
+       [](Json* j) { (*j)["nodes"][0]["children"] = {Json(Vector<int>(100000, 7))}; }},
       {"mesh without targets",
        [](Json* j) {
          (*j)["meshes"][0]["name"] = kEvil;
@@ -98,7 +98,7 @@ TEST(Message, TextOfTheRig_CannotBreakTheLine) {
   ExpectHarmless(changed, "mesh name and hash");
   EXPECT_EQ(changed.code(), StatusCode::kMeshMismatch) << changed.message();
   ExpectHarmless(status_with("/groups", kEvil), "text for a number");
-  ExpectHarmless(status_with("/groups", Json(std::vector<int>(100000, 7))), "array for a number");
+  ExpectHarmless(status_with("/groups", Json(Vector<int>(100000, 7))), "array for a number");
   ExpectHarmless(status_with("/rotations", kEvil), "text for a Boolean");
   ExpectHarmless(status_with("/tables", Json{{kEvil, 1}}), "name of a table");
 }

@@ -1,5 +1,6 @@
 #include "runtime/load/small_gltf.h"
 
+#include "core/vector.h"
 #include "load/uri.h"
 
 namespace limber::test {
@@ -7,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void Append(uint32_t number, std::vector<uint8_t>* bytes) {
+void Append(uint32_t number, Vector<uint8_t>* bytes) {
   for (int shift = 0; shift < 32; shift += 8) {
     bytes->push_back(static_cast<uint8_t>(number >> shift));
   }
@@ -56,10 +57,10 @@ std::string SmallGltf::Text() const {
   return whole.dump();
 }
 
-std::vector<uint8_t> SmallGltf::Glb() const {
+Vector<uint8_t> SmallGltf::Glb() const {
   std::string text = json.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::vector<uint8_t> padded = bin, bytes;
+  Vector<uint8_t> padded = bin, bytes;
   padded.resize((bin.size() + 3) / 4 * 4);
   for (const size_t number : {size_t{0x46546C67}, size_t{2}, 28 + text.size() + padded.size(),
                               text.size(), size_t{0x4E4F534A}}) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/status.h"
+#include "core/vector.h"
 #include "load/gltf_file.h"
 
 #include <nlohmann/json.hpp>
@@ -9,7 +10,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <string>
-#include <vector>
 
 namespace limber::test {
 
@@ -19,19 +19,19 @@ class SmallGltf {
   SmallGltf();
 
   nlohmann::ordered_json json;
-  std::vector<uint8_t> bin;
+  Vector<uint8_t> bin;
 
   // Appends bytes as a bufferView, an accessor over one; each returns its index.
   template <class T>
   size_t AddView(std::initializer_list<T> items, size_t stride = 0) {
-    const std::vector<T> copy(items);
+    const Vector<T> copy(items);
     return AddBytes(copy.data(), copy.size() * sizeof(T), stride);
   }
 
   size_t AddAccessor(const nlohmann::ordered_json& accessor);
 
   std::string Text() const;  // a .gltf with its data inside
-  std::vector<uint8_t> Glb() const;
+  Vector<uint8_t> Glb() const;
   Result<GltfFile> Parse() const;  // of the text
 
  private:

@@ -1,5 +1,7 @@
 #include "load/uri.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 namespace limber::test {

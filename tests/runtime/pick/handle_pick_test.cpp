@@ -1,3 +1,4 @@
+#include "core/vector.h"
 #include "pick/picker.h"
 #include "pick_scene.h"
 
@@ -19,7 +20,7 @@ class HandlePick : public testing::Test {
     ray_.direction = {0, 0, -2};
   }
 
-  std::optional<HandleHit> Pick(const std::vector<Vec3>& handles,
+  std::optional<HandleHit> Pick(const Vector<Vec3>& handles,
                                 const HandlePickOptions& options) const {
     return picker_->PickHandle(ray_, handles, options);
   }
@@ -30,7 +31,7 @@ class HandlePick : public testing::Test {
 };
 
 TEST_F(HandlePick, NearestToTheRay_Wins) {
-  const std::vector<Vec3> handles = {{1.2f, 0, 0.4f}, {1.05f, 0, 0.4f}, {0.9f, 0, 0.4f}};
+  const Vector<Vec3> handles = {{1.2f, 0, 0.4f}, {1.05f, 0, 0.4f}, {0.9f, 0, 0.4f}};
   const std::optional<HandleHit> hit = Pick(handles, {.radius = 0.3f});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->handle, 1);
@@ -50,13 +51,13 @@ TEST_F(HandlePick, OutOfReach_Nothing) {
 TEST_F(HandlePick, Cone_MeasuresInScreenSpace) {
   // The far one is 0.12 off at 4.6 (0.026), the near one 0.10 off at 2 (0.05): on the screen the
   // far one is nearer.
-  const std::vector<Vec3> handles = {{1.1f, 0, 3}, {1.12f, 0, 0.4f}};
+  const Vector<Vec3> handles = {{1.1f, 0, 3}, {1.12f, 0, 0.4f}};
   EXPECT_EQ(Pick(handles, {.cone_tangent = 0.06f})->handle, 1);
   EXPECT_EQ(Pick(handles, {.radius = 0.3f})->handle, 0);
 }
 
 TEST_F(HandlePick, BehindTheSurface_OnlyWhenAsked) {
-  const std::vector<Vec3> handles = {{1, 0, -0.4f}};
+  const Vector<Vec3> handles = {{1, 0, -0.4f}};
   for (const HandlePickOptions& base :
        {HandlePickOptions{.radius = 0.1f}, HandlePickOptions{.cone_tangent = 0.02f}}) {
     HandlePickOptions options = base;
@@ -70,7 +71,7 @@ TEST_F(HandlePick, BehindTheSurface_OnlyWhenAsked) {
 }
 
 TEST_F(HandlePick, HiddenOneNearer_TheVisibleOneIsPicked) {
-  const std::vector<Vec3> handles = {{1, 0, -0.4f}, {1.04f, 0, 0.4f}};
+  const Vector<Vec3> handles = {{1, 0, -0.4f}, {1.04f, 0, 0.4f}};
   EXPECT_EQ(Pick(handles, {.radius = 0.1f})->handle, 1);
   EXPECT_EQ(Pick(handles, {.radius = 0.1f, .occlusion = false})->handle, 0);
 }
@@ -79,7 +80,7 @@ TEST_F(HandlePick, Orthographic_LooksAlongTheRayNotFromItsOrigin) {
   // Beside the tube and below its middle: in plain sight along the ray's direction, but from the
   // ray's origin the tube is in between.
   ray_.origin = {1, 0, 1};
-  const std::vector<Vec3> handles = {{1.5f, 0, -0.3f}};
+  const Vector<Vec3> handles = {{1.5f, 0, -0.3f}};
   EXPECT_TRUE(Pick(handles, {.radius = 0.6f}));
   EXPECT_FALSE(Pick(handles, {.cone_tangent = 0.6f}));
   EXPECT_TRUE(Pick(handles, {.cone_tangent = 0.6f, .occlusion = false}));
@@ -100,7 +101,7 @@ TEST_F(HandlePick, EveryVertexOfTheSurface_IsVisibleFromAlongItsNormal) {
 }
 
 TEST_F(HandlePick, Ties_NearestThenLowestIndex) {
-  const std::vector<Vec3> handles = {{1, 0, 1}, {1, 0, 3}, {1, 0, 3}, {1, 0, 2}};
+  const Vector<Vec3> handles = {{1, 0, 1}, {1, 0, 3}, {1, 0, 3}, {1, 0, 2}};
   EXPECT_EQ(Pick(handles, {.radius = 0.1f})->handle, 1);
   EXPECT_EQ(Pick(handles, {.cone_tangent = 0.1f})->handle, 1);
 }
@@ -108,7 +109,7 @@ TEST_F(HandlePick, Ties_NearestThenLowestIndex) {
 TEST_F(HandlePick, NotFinite_NeverPicked) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
-  const std::vector<Vec3> handles = {{1, nan, 1}, {1, 0, -infinity}, {1.05f, 0, 0.4f}};
+  const Vector<Vec3> handles = {{1, nan, 1}, {1, 0, -infinity}, {1.05f, 0, 0.4f}};
   EXPECT_EQ(Pick(handles, {.radius = 0.1f, .occlusion = false})->handle, 2);
   ray_.direction = {0, 0, nan};
   EXPECT_FALSE(Pick(handles, {.radius = 0.1f}));

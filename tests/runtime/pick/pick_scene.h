@@ -1,6 +1,7 @@
 // A lumpy, many-layered surface to shoot at, and the slow way to know what is hit.
 #pragma once
 
+#include "core/vector.h"
 #include "pick/picker.h"
 #include "rig/skin_mesh.h"
 
@@ -11,7 +12,6 @@
 #include <numbers>
 #include <optional>
 #include <random>
-#include <vector>
 
 namespace limber::test {
 
@@ -29,7 +29,7 @@ inline Vec3 FromEigen(const Vec3d& v) {
 // and solve vertices differ; radius 1 and 0.4.
 struct TorusScene {
   SkinMesh mesh;
-  std::vector<Vec3> rest;  // solve vertices
+  Vector<Vec3> rest;  // solve vertices
 
   TorusScene(int rings, int sides) {
     mesh.num_solve_vertices = static_cast<uint32_t>(rings * sides);
@@ -56,8 +56,8 @@ struct TorusScene {
   }
 
   // Bent, twisted and dented.
-  std::vector<Vec3> Deformed(double amount) const {
-    std::vector<Vec3> result;
+  Vector<Vec3> Deformed(double amount) const {
+    Vector<Vec3> result;
     for (const Vec3& rest_point : rest) {
       Vec3d p = ToEigen(rest_point);
       const double twist = amount * p.x();
@@ -78,7 +78,7 @@ struct BruteHit {
 
 // Every triangle, by planes through the origin of the ray: does not share a line with the code
 // under test. `slack` widens (or with a minus shrinks) triangles in barycentrics.
-inline std::optional<BruteHit> BruteForce(const SkinMesh& mesh, const std::vector<Vec3>& points,
+inline std::optional<BruteHit> BruteForce(const SkinMesh& mesh, const Vector<Vec3>& points,
                                           const PickRay& ray, double slack) {
   const Vec3d origin = ToEigen(ray.origin), direction = ToEigen(ray.direction).normalized();
   std::optional<BruteHit> best;

@@ -1,5 +1,7 @@
 #include "pick/picker.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <cfenv>
@@ -57,7 +59,7 @@ TEST(Picker, Create_BadMesh_OneClearLine) {
 
 TEST(Picker, PickSurface_RandomRays_AgreesWithEveryTriangleTried) {
   const TorusScene scene(31, 17);
-  const std::vector<Vec3> points = scene.Deformed(1.1);
+  const Vector<Vec3> points = scene.Deformed(1.1);
   Picker picker = MakePicker(scene.mesh, scene.rest);
   ASSERT_TRUE(picker.Update(points).ok());
   std::mt19937 random(1);
@@ -84,7 +86,7 @@ TEST(Picker, PickSurface_RandomRays_AgreesWithEveryTriangleTried) {
 
 TEST(Picker, PickSurface_Hit_BarycentricsNormalAndPointAgree) {
   const TorusScene scene(24, 14);
-  const std::vector<Vec3> points = scene.Deformed(0.7);
+  const Vector<Vec3> points = scene.Deformed(0.7);
   const Picker picker = MakePicker(scene.mesh, points);
   std::mt19937 random(2);
   int front = 0, back = 0;
@@ -138,7 +140,7 @@ TEST(Picker, Update_Refit_EqualsRebuild) {
   Picker refitted = MakePicker(scene.mesh, scene.rest);
   std::mt19937 random(4);
   for (const double amount : {0.3, 1.5, -0.8, 0.0}) {
-    const std::vector<Vec3> points = scene.Deformed(amount);
+    const Vector<Vec3> points = scene.Deformed(amount);
     ASSERT_TRUE(refitted.Update(points).ok());
     const Picker rebuilt = MakePicker(scene.mesh, points);
     EXPECT_EQ(refitted.diagonal(), rebuilt.diagonal());
@@ -182,7 +184,7 @@ TEST(Picker, PickSurface_CoincidentLayers_LowestTriangle) {
   for (int layer = 0; layer < 3; ++layer) {
     mesh.triangles.insert(mesh.triangles.end(), {0, 1, 2, 0, 2, 3});
   }
-  const std::vector<Vec3> quad = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const Vector<Vec3> quad = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const Picker picker = MakePicker(mesh, quad);
   PickRay ray;
   ray.direction = {0, 0, -1};
@@ -200,7 +202,7 @@ TEST(Picker, PickSurface_DegenerateTriangles_AreNeverHit) {
   mesh.num_draw_vertices = 4;
   mesh.solve_vertex = {0, 1, 2, 3};
   mesh.triangles = {0, 0, 0, 0, 1, 1, 0, 1, 3, 0, 1, 2};  // a point, a line, a sliver, a triangle
-  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, 0, 0}};
+  const Vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, 0, 0}};
   const Picker picker = MakePicker(mesh, points);
   PickRay ray;
   ray.origin = {0.25f, 0, 1};
@@ -237,17 +239,17 @@ TEST(Picker, PickSurface_FarOrNonsenseRays_Miss) {
 
 TEST(Picker, Update_BadPositions_RefusedAndLastGoodSurfaceStays) {
   const TorusScene scene(20, 12);
-  const std::vector<Vec3> good = scene.Deformed(0.5);
+  const Vector<Vec3> good = scene.Deformed(0.5);
   Picker picker = MakePicker(scene.mesh, scene.rest);
   ASSERT_TRUE(picker.Update(good).ok());
-  std::vector<std::optional<SurfaceHit>> before;
+  Vector<std::optional<SurfaceHit>> before;
   std::mt19937 random(5);
   for (int i = 0; i < 200; ++i)
     before.push_back(picker.PickSurface(RandomRay(&random)));
 
   const float infinity = std::numeric_limits<float>::infinity();
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), infinity, -infinity, 2e18f}) {
-    std::vector<Vec3> points = scene.Deformed(-1.0);
+    Vector<Vec3> points = scene.Deformed(-1.0);
     points[17].y = bad;
     const Status status = picker.Update(points);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
@@ -290,7 +292,7 @@ TEST(Picker, Picks_AllocateNothing) {
 }
 
 int64_t AllocationsOfTenUpdates(const TorusScene& scene) {
-  const std::vector<Vec3> bent = scene.Deformed(0.9);
+  const Vector<Vec3> bent = scene.Deformed(0.9);
   Picker picker = MakePicker(scene.mesh, scene.rest);
   EXPECT_TRUE(picker.Update(bent).ok());
   const int64_t before = test::AllocationCount();

@@ -1,6 +1,8 @@
 // Energies of single groups, from the transforms of few handles to the modes of all.
 #include "rig/local_group_factors.h"
 
+#include "core/vector.h"
+
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
@@ -14,9 +16,9 @@ constexpr int kHandles = 4, kShapes = 2, kGroups = 3, kModes = 7;
 
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::vector<float> RandomNumbers(int64_t count, std::mt19937* random) {
+Vector<float> RandomNumbers(int64_t count, std::mt19937* random) {
   std::uniform_real_distribution<float> uniform(-1, 1);
-  std::vector<float> numbers(static_cast<size_t>(count));
+  Vector<float> numbers(static_cast<size_t>(count));
   for (float& x : numbers)
     x = uniform(*random);
   return numbers;

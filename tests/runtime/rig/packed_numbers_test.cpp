@@ -1,6 +1,8 @@
 // The packing of a baked file's tables: what comes back, what it takes, and what damage does.
 #include "rig/packed_numbers.h"
 
+#include "core/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +12,8 @@
 namespace limber {
 namespace {
 
-using Numbers = std::vector<float>;
-using Bytes = std::vector<uint8_t>;
+using Numbers = Vector<float>;
+using Bytes = Vector<uint8_t>;
 
 Numbers Unpacked(const Bytes& bytes, size_t count, int exponent) {
   const auto numbers = UnpackNumbers(bytes, count, exponent);

@@ -2,6 +2,7 @@
 // bit for bit.
 #include "skin/frame_layout.h"
 
+#include "core/vector.h"
 #include "runtime/skin/skin_fixtures.h"
 #include "skin/skin_positions.h"
 
@@ -62,7 +63,7 @@ TEST(FrameLayout, BentShapes_GiveThePlainBits) {
   test::SkinFixture cylinder = test::MakeCylinderFixture(13, 9);
   cylinder.mesh.triangles.resize(cylinder.mesh.triangles.size() / 2);  // vertices without any
   for (const double amount : {0.0, 0.4, 1.0}) {
-    std::vector<Vec3> positions(cylinder.mesh.num_solve_vertices);
+    Vector<Vec3> positions(cylinder.mesh.num_solve_vertices);
     ASSERT_TRUE(SkinPositionsReference(cylinder.mesh, test::CylinderPose(cylinder, amount).view(),
                                        positions)
                     .ok());
@@ -74,7 +75,7 @@ TEST(FrameLayout, BentShapes_GiveThePlainBits) {
 TEST(FrameLayout, SeamsAndHardEdges_GiveThePlainBits) {
   for (const test::SkinFixture& fixture :
        {test::MakeSeamSphereFixture(19, 11), test::MakeCubeFixture()}) {
-    std::vector<Vec3> positions(fixture.mesh.num_solve_vertices);
+    Vector<Vec3> positions(fixture.mesh.num_solve_vertices);
     ASSERT_TRUE(
         SkinPositionsReference(fixture.mesh, test::RestPose(fixture).view(), positions).ok());
     positions.emplace_back();
@@ -92,7 +93,7 @@ TEST(FrameLayout, PositionsOfAnySize_GiveThePlainBits) {
   constexpr float kValues[] = {0,     -0.0f, 1,    1e-20f, 1e20f,
                                1e15f, 1e-8f, 3e9f, 1e38f,  std::numeric_limits<float>::infinity()};
   for (unsigned round = 0; round < 200; ++round) {
-    std::vector<Vec3> positions(count + 1);
+    Vector<Vec3> positions(count + 1);
     for (Vec3& p : positions) {
       p = {number(random), number(random), number(random)};
       if (random() % 40 < round % 20) p[static_cast<int>(random() % 3)] = kValues[random() % 10];

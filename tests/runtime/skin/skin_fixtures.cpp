@@ -1,5 +1,6 @@
 #include "runtime/skin/skin_fixtures.h"
 
+#include "core/vector.h"
 #include "support/test_meshes.h"
 
 #include <Eigen/Geometry>
@@ -68,7 +69,7 @@ SkinFixture MakeCylinderFixture(int around, int along) {
       mesh.shape_positions.push_back(ToRig(fixture.space, shape.row(v).transpose()));
     }
   }
-  std::vector<Vector3d> normals(count, Vector3d::Zero());
+  Vector<Vector3d> normals(count, Vector3d::Zero());
   const bake::PointMatrix& rest = raw.shapes[0];
   for (size_t t = 0; t < raw.triangles.size(); t += 3) {
     const Vector3d a = rest.row(raw.triangles[t]), b = rest.row(raw.triangles[t + 1]);
@@ -176,8 +177,8 @@ Affine RotationAffine(std::array<double, 3> axis, double angle, std::array<doubl
   return affine;
 }
 
-SkinPose MakePose(const SkinFixture& fixture, const std::vector<float>& blend,
-                  const std::vector<Affine>& maps) {
+SkinPose MakePose(const SkinFixture& fixture, const Vector<float>& blend,
+                  const Vector<Affine>& maps) {
   const SkinMesh& mesh = fixture.mesh;
   SkinPose pose;
   pose.origin = {fixture.space.origin[0], fixture.space.origin[1], fixture.space.origin[2]};
@@ -201,16 +202,16 @@ SkinPose MakePose(const SkinFixture& fixture, const std::vector<float>& blend,
 SkinPose RestPose(const SkinFixture& fixture, int shape) {
   const auto num_handles = static_cast<size_t>(fixture.mesh.num_handles);
   const auto num_shapes = static_cast<size_t>(fixture.mesh.num_shapes);
-  std::vector<float> blend(num_handles * num_shapes, 0.0f);
+  Vector<float> blend(num_handles * num_shapes, 0.0f);
   for (size_t h = 0; h < num_handles; ++h)
     blend[h * num_shapes + static_cast<size_t>(shape)] = 1;
   return MakePose(fixture, blend,
-                  std::vector<Affine>(num_handles, RotationAffine({0, 1, 0}, 0, {0, 0, 0})));
+                  Vector<Affine>(num_handles, RotationAffine({0, 1, 0}, 0, {0, 0, 0})));
 }
 
 SkinPose CylinderPose(const SkinFixture& fixture, double amount) {
   const auto a = static_cast<float>(amount);
-  const std::vector<float> blend = {1, 0, 0, 1 - a, 0.4f * a, 0.6f * a, 1 - a, a, 0};
+  const Vector<float> blend = {1, 0, 0, 1 - a, 0.4f * a, 0.6f * a, 1 - a, a, 0};
   return MakePose(fixture, blend,
                   {RotationAffine({0, 1, 0}, 0, {0, 0, 0}),
                    RotationAffine({0, 1, 0}, 0.6 * amount, {0.1 * amount, 0, 0}),

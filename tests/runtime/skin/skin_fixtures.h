@@ -1,12 +1,12 @@
 // Small characters that are skinned by hand: meshes with weights, and transforms for them.
 #pragma once
 
+#include "core/vector.h"
 #include "rig/rig_tables.h"
 #include "rig/skin_mesh.h"
 #include "skin/skin_transforms.h"
 
 #include <array>
-#include <vector>
 
 namespace limber::test {
 
@@ -28,7 +28,7 @@ SkinFixture MakeCubeFixture();
 
 // Transforms that own their numbers.
 struct SkinPose {
-  std::vector<float> matrices;  // [H][S][3][4]
+  Vector<float> matrices;  // [H][S][3][4]
   Vec3 origin;
 
   SkinTransforms view() const { return {matrices, origin}; }
@@ -43,8 +43,8 @@ Affine RotationAffine(std::array<double, 3> axis, double angle, std::array<doubl
 
 // Handle h: a mix of the shapes, then `maps[h]` about the rig's origin.
 // blend: [H][S] row-major; maps: H of them.
-SkinPose MakePose(const SkinFixture& fixture, const std::vector<float>& blend,
-                  const std::vector<Affine>& maps);
+SkinPose MakePose(const SkinFixture& fixture, const Vector<float>& blend,
+                  const Vector<Affine>& maps);
 
 // A lively pose of the cylinder fixture: bent, twisted, bulging.
 SkinPose CylinderPose(const SkinFixture& fixture, double amount);

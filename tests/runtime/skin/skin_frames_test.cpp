@@ -1,5 +1,6 @@
 #include "skin/skin_frames.h"
 
+#include "core/vector.h"
 #include "runtime/skin/skin_fixtures.h"
 #include "skin/cpu_skinner.h"
 
@@ -41,10 +42,10 @@ void TiltNormals(SkinMesh* mesh) {
 test::SkinPose UniformPose(const test::SkinFixture& fixture, const test::Affine& map) {
   const auto num_handles = static_cast<size_t>(fixture.mesh.num_handles);
   const auto num_shapes = static_cast<size_t>(fixture.mesh.num_shapes);
-  std::vector<float> blend(num_handles * num_shapes, 0.0f);
+  Vector<float> blend(num_handles * num_shapes, 0.0f);
   for (size_t h = 0; h < num_handles; ++h)
     blend[h * num_shapes] = 1;
-  return test::MakePose(fixture, blend, std::vector<test::Affine>(num_handles, map));
+  return test::MakePose(fixture, blend, Vector<test::Affine>(num_handles, map));
 }
 
 Matrix3d Linear(const test::Affine& map) {
@@ -84,10 +85,9 @@ TEST(SkinFrames, RigidMotion_RotatesNormalsAndTangents) {
   TiltNormals(&fixture.mesh);
   CpuSkinner skinner = MakeSkinner(fixture);
   ASSERT_TRUE(skinner.Skin(test::RestPose(fixture).view()).ok());
-  const std::vector<Vec3> rest_normals(skinner.result().normals.begin(),
-                                       skinner.result().normals.end());
-  const std::vector<Tangent> rest_tangents(skinner.result().tangents.begin(),
-                                           skinner.result().tangents.end());
+  const Vector<Vec3> rest_normals(skinner.result().normals.begin(), skinner.result().normals.end());
+  const Vector<Tangent> rest_tangents(skinner.result().tangents.begin(),
+                                      skinner.result().tangents.end());
   for (const double angle : {0.4, 1.9, 3.1}) {
     const test::Affine map = test::RotationAffine({0.3, -1, 0.5}, angle, {2, -1, 0.5});
     ASSERT_TRUE(skinner.Skin(UniformPose(fixture, map).view()).ok());
@@ -212,7 +212,7 @@ TEST(SkinFrames, CoordinatesOfAnySize_GiveFiniteUnitFrames) {
   const test::SkinFixture fixture = test::MakeSeamSphereFixture(9, 6);
   Result<SkinTopology> topology = BuildSkinTopology(fixture.mesh, fixture.space);
   ASSERT_TRUE(topology.ok()) << topology.status().message();
-  std::vector<Vec3> positions(fixture.mesh.num_solve_vertices);
+  Vector<Vec3> positions(fixture.mesh.num_solve_vertices);
   uint32_t state = 1;
   for (int round = 0; round < 300; ++round) {
     for (Vec3& p : positions)

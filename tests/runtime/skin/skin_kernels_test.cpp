@@ -1,4 +1,5 @@
 // The skinning loop of every instruction set, beside the sum in double.
+#include "core/vector.h"
 #include "runtime/skin/skin_fixtures.h"
 #include "skin/cpu_skinner.h"
 #include "skin/skin_positions.h"
@@ -16,7 +17,7 @@ namespace {
 
 struct RandomCharacter {
   SkinMesh mesh;
-  std::vector<float> matrices;
+  Vector<float> matrices;
   Vec3 origin = {0.5f, -2, 3};
 
   SkinTransforms transforms() const { return {matrices, origin}; }
@@ -65,7 +66,7 @@ TEST(SkinKernels, EverySetAndSize_IsTheSumInDouble) {
       for (const uint32_t count : {1u, 15u, 16u, 17u, 83u}) {
         const RandomCharacter c = MakeRandom(num_handles, num_shapes, count);
         const SkinLayout layout(c.mesh);
-        std::vector<Vec3> expected(count), found(count);
+        Vector<Vec3> expected(count), found(count);
         ASSERT_TRUE(SkinPositionsReference(c.mesh, c.transforms(), expected).ok());
         for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set) {
           SkinScratch scratch;
@@ -86,7 +87,7 @@ TEST(SkinKernels, EverySetAndSize_IsTheSumInDouble) {
 TEST(SkinKernels, SetsWithFusedArithmetic_GiveTheSameBits) {
   const RandomCharacter c = MakeRandom(9, 6, 1003);
   const SkinLayout layout(c.mesh);
-  std::vector<std::vector<Vec3>> results;
+  Vector<Vector<Vec3>> results;
   for (const SkinKernels* const* set = AvailableSkinKernels() + 1;
        *(set - 1) != nullptr && *set != nullptr; ++set) {
     SkinScratch scratch;
@@ -101,7 +102,7 @@ TEST(SkinKernels, SetsWithFusedArithmetic_GiveTheSameBits) {
 TEST(SkinKernels, VerticesOfAnyCompany_HaveTheSameBits) {
   const RandomCharacter c = MakeRandom(7, 4, 64, Shapes::kMoveAll);
   SkinScratch scratch;
-  std::vector<Vec3> together(64), alone(1);
+  Vector<Vec3> together(64), alone(1);
   ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), c.transforms(), &scratch, together).ok());
   for (uint32_t v = 0; v < 64; ++v) {
     SkinMesh one = c.mesh;
@@ -130,7 +131,7 @@ TEST(SkinLayout, BlocksFollowFewHandles) {
 TEST(SkinKernels, VerticesInAnyOrder_HaveTheSameBits) {
   constexpr uint32_t kCount = 203;
   const RandomCharacter c = MakeRandom(5, 9, kCount);
-  std::vector<uint32_t> from(kCount);
+  Vector<uint32_t> from(kCount);
   std::iota(from.begin(), from.end(), 0u);
   std::shuffle(from.begin(), from.end(), std::mt19937(3));
   SkinMesh shuffled = c.mesh;
@@ -141,7 +142,7 @@ TEST(SkinKernels, VerticesInAnyOrder_HaveTheSameBits) {
   }
   for (const SkinKernels* const* set = AvailableSkinKernels(); *set != nullptr; ++set) {
     SkinScratch scratch;
-    std::vector<Vec3> plain(kCount), found(kCount);
+    Vector<Vec3> plain(kCount), found(kCount);
     const SkinLayout layout(c.mesh), other(shuffled);
     ASSERT_TRUE(SkinPositionsWith(**set, layout, c.transforms(), &scratch, plain).ok());
     ASSERT_TRUE(SkinPositionsWith(**set, other, c.transforms(), &scratch, found).ok());
@@ -164,8 +165,8 @@ TEST(SkinLayout, BlocksKeepWhatMovesThem) {
 }
 
 // The identity in shape `s` of the one handle.
-std::vector<float> AllOf(size_t s, size_t num_shapes) {
-  std::vector<float> matrices(num_shapes * 12);
+Vector<float> AllOf(size_t s, size_t num_shapes) {
+  Vector<float> matrices(num_shapes * 12);
   for (size_t axis = 0; axis < 3; ++axis)
     matrices[s * 12 + axis * 5] = 1;
   return matrices;
@@ -179,9 +180,9 @@ TEST(SkinLayout, ShapesBeyondSinglePrecision_LeaveTheOthersAlone) {
     c.mesh.shape_positions[4 + v] = c.mesh.shape_positions[v];
   }
   c.mesh.shape_positions[5] = {3e38f, 0, 0};
-  std::vector<Vec3> found(4);
+  Vector<Vec3> found(4);
   SkinScratch scratch;
-  const std::vector<float> matrices = AllOf(0, 2);
+  const Vector<float> matrices = AllOf(0, 2);
   ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), {matrices, Vec3{}}, &scratch, found).ok());
   for (size_t v = 0; v < 4; ++v)
     EXPECT_EQ(found[v], c.mesh.shape_positions[v]);
@@ -193,9 +194,9 @@ TEST(SkinLayout, ShapesMuchSmallerThanTheFirst_KeepTheirDigits) {
     for (int axis = 0; axis < 3; ++axis)
       c.mesh.shape_positions[v][axis] *= 1e-12f;
   }
-  std::vector<Vec3> found(20);
+  Vector<Vec3> found(20);
   SkinScratch scratch;
-  const std::vector<float> matrices = AllOf(1, 2);
+  const Vector<float> matrices = AllOf(1, 2);
   ASSERT_TRUE(SkinPositions(SkinLayout(c.mesh), {matrices, Vec3{}}, &scratch, found).ok());
   for (size_t v = 0; v < 20; ++v)
     EXPECT_EQ(found[v], c.mesh.shape_positions[20 + v]);
@@ -213,7 +214,7 @@ TEST(CpuSkinner, IntoAnyLayout_HasTheSameBitsAndNothingElseIsTouched) {
   EXPECT_EQ(lean->Skin(pose.view()).code(), StatusCode::kInvalidArgument);
   constexpr size_t kStride = 52;  // and one byte off, as mapped memory may be
   const size_t count = fixture.mesh.num_draw_vertices;
-  std::vector<unsigned char> bytes(1 + count * kStride, 0xCD), expected = bytes;
+  Vector<unsigned char> bytes(1 + count * kStride, 0xCD), expected = bytes;
   SkinOutputs outputs;
   Bounds bounds;
   outputs.positions = {bytes.data() + 1, kStride};

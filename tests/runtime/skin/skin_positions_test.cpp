@@ -1,5 +1,6 @@
 #include "skin/skin_positions.h"
 
+#include "core/vector.h"
 #include "runtime/skin/skin_fixtures.h"
 #include "skin/cpu_skinner.h"
 #include "support/counting_allocator.h"
@@ -34,7 +35,7 @@ std::array<double, 3> Naive(const test::SkinFixture& fixture, const test::SkinPo
 }
 
 double LargestError(const test::SkinFixture& fixture, const test::SkinPose& pose,
-                    const std::vector<Vec3>& found) {
+                    const Vector<Vec3>& found) {
   double largest = 0;
   for (size_t v = 0; v < found.size(); ++v) {
     const std::array<double, 3> q = Naive(fixture, pose, v);
@@ -50,7 +51,7 @@ TEST(SkinPositions, EveryPose_EqualsTheSumInDouble) {
   const test::SkinFixture fixture = test::MakeCylinderFixture(7, 11);
   const SkinLayout layout(fixture.mesh);
   SkinScratch scratch;
-  std::vector<Vec3> fast(fixture.mesh.num_solve_vertices), reference(fast.size());
+  Vector<Vec3> fast(fixture.mesh.num_solve_vertices), reference(fast.size());
   for (const double amount : {0.0, 0.3, 1.0, 2.5}) {
     const test::SkinPose pose = test::CylinderPose(fixture, amount);
     ASSERT_TRUE(SkinPositions(layout, pose.view(), &scratch, fast).ok());
@@ -64,7 +65,7 @@ TEST(SkinPositions, RestPose_IsTheExampleShape) {
   const test::SkinFixture fixture = test::MakeCylinderFixture(12, 8);
   const SkinLayout layout(fixture.mesh);
   SkinScratch scratch;
-  std::vector<Vec3> out(fixture.mesh.num_solve_vertices);
+  Vector<Vec3> out(fixture.mesh.num_solve_vertices);
   ASSERT_TRUE(SkinPositions(layout, test::RestPose(fixture, 0).view(), &scratch, out).ok());
   // The cylinder of mesh space: radius 0.25 around the y axis, height 0 to 2.
   for (size_t v = 0; v + 2 < out.size(); ++v) {
@@ -78,7 +79,7 @@ TEST(SkinPositions, WrongSizes_AreRefused) {
   const SkinLayout layout(fixture.mesh);
   SkinScratch scratch;
   test::SkinPose pose = test::RestPose(fixture);
-  std::vector<Vec3> out(fixture.mesh.num_solve_vertices - 1);
+  Vector<Vec3> out(fixture.mesh.num_solve_vertices - 1);
   EXPECT_EQ(SkinPositions(layout, pose.view(), &scratch, out).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(SkinPositionsReference(fixture.mesh, pose.view(), out).code(),
             StatusCode::kInvalidArgument);
@@ -97,7 +98,7 @@ TEST(CpuSkinner, SkinningAFrame_AllocatesNothing) {
   ASSERT_TRUE(surface.ok());
   Result<CpuSkinner> lean = CpuSkinner::CreateWithoutResults(*surface);
   ASSERT_TRUE(lean.ok());
-  std::vector<Vec3> normals(fixture.mesh.num_draw_vertices);
+  Vector<Vec3> normals(fixture.mesh.num_draw_vertices);
   SkinOutputs outputs;
   outputs.normals = {normals.data(), sizeof(Vec3)};
   const test::SkinPose pose = test::RestPose(fixture);
@@ -110,7 +111,7 @@ TEST(CpuSkinner, SkinningAFrame_AllocatesNothing) {
   const int64_t during = test::AllocationCount() - before;
   EXPECT_EQ(during, 0);
   // The counter does count.
-  const std::vector<int> counted(100);
+  const Vector<int> counted(100);
   EXPECT_GT(test::AllocationCount(), before) << counted.size();
 }
 

@@ -1,4 +1,5 @@
 // Frames, batches and vertex layouts of VulkanSkinner.
+#include "core/vector.h"
 #include "runtime/skin_vulkan/vulkan_skin_fixture.h"
 
 #include <algorithm>
@@ -19,9 +20,9 @@ struct Position {
 };
 
 // Floats at `offset`, `stride` bytes apart, `width` of them together.
-std::vector<float> ReadStream(std::span<const std::byte> bytes, const VertexStream& stream,
-                              size_t count, size_t width) {
-  std::vector<float> values;
+Vector<float> ReadStream(std::span<const std::byte> bytes, const VertexStream& stream, size_t count,
+                         size_t width) {
+  Vector<float> values;
   for (size_t i = 0; i < count; ++i) {
     const auto some = ReadAs<float>(bytes, stream.offset + i * stream.stride, width);
     values.insert(values.end(), some.begin(), some.end());
@@ -84,7 +85,7 @@ class InFlight {
   };
 
   viewer::VulkanDevice* device_;
-  std::vector<Slot> slots_;
+  Vector<Slot> slots_;
 };
 
 class VulkanFramesTest : public test::VulkanSkinTest {
@@ -102,7 +103,7 @@ class VulkanFramesTest : public test::VulkanSkinTest {
   const test::SkinFixture sphere_ = test::MakeSeamSphereFixture(19, 11);
   const size_t num_cylinder_ = cylinder_.mesh.num_draw_vertices;
   const size_t num_sphere_ = sphere_.mesh.num_draw_vertices;
-  std::vector<test::SkinPose> poses_;
+  Vector<test::SkinPose> poses_;
   test::SkinPose sphere_pose_;
 };
 
@@ -119,10 +120,10 @@ TEST_F(VulkanFramesTest, AnyLayout_HasTheSameNumbersAndNothingElseIsTouched) {
   job.normals = {vertices.handle(), 1028 + 20, 44};
   job.tangents = {vertices.handle(), 40004, 16};
   job.last_positions = {vertices.handle(), 300000, 12};
-  std::vector<std::byte> bytes = RunFrame(skinner.get(), 1, {&job, 1}, vertices, true);
-  std::vector<bool> is_ours(bytes.size(), false);
+  Vector<std::byte> bytes = RunFrame(skinner.get(), 1, {&job, 1}, vertices, true);
+  Vector<bool> is_ours(bytes.size(), false);
   const auto expect = [&](const VertexStream& stream, size_t offset, size_t width) {
-    const std::vector<float> values = ReadStream(bytes, stream, num_cylinder_, width);
+    const Vector<float> values = ReadStream(bytes, stream, num_cylinder_, width);
     for (size_t d = 0; d < num_cylinder_; ++d) {
       EXPECT_EQ(
           std::memcmp(&values[d * width], reinterpret_cast<const std::byte*>(&packed[d]) + offset,
@@ -178,7 +179,7 @@ TEST_F(VulkanFramesTest, LastPositions_AreThoseOfTheFrameBefore) {
   }
 
   struct Frame {
-    std::vector<Position> now[2], last[2];
+    Vector<Position> now[2], last[2];
   };
 
   uint32_t number = 0;
@@ -218,9 +219,9 @@ TEST_F(VulkanFramesTest, LastPositions_AreThoseOfTheFrameBefore) {
 }
 
 // Cylinders and spheres, each kind's vertices after each other, from `offset` on.
-std::vector<VulkanSkinJob> Crowd(size_t count, const VulkanSkinRig* rig, const SkinTransforms& pose,
-                                 VkBuffer buffer, VkDeviceSize offset, size_t num_vertices) {
-  std::vector<VulkanSkinJob> jobs(count);
+Vector<VulkanSkinJob> Crowd(size_t count, const VulkanSkinRig* rig, const SkinTransforms& pose,
+                            VkBuffer buffer, VkDeviceSize offset, size_t num_vertices) {
+  Vector<VulkanSkinJob> jobs(count);
   for (size_t i = 0; i < count; ++i) {
     jobs[i].rig = rig;
     jobs[i].transforms = pose;
@@ -234,12 +235,12 @@ TEST_F(VulkanFramesTest, ManyInstancesOfManyRigs_AreFewDispatchesOfTheSameBits) 
   constexpr size_t kCount = 20;
   const VkDeviceSize half = kCount * num_cylinder_ * sizeof(SkinnedVertex);
   const VulkanBuffer vertices = MakeVertices(half + kCount * num_sphere_ * sizeof(SkinnedVertex));
-  std::vector<std::vector<std::byte>> results;
+  Vector<Vector<std::byte>> results;
   for (const auto dispatch : {Dispatch::kOne, Dispatch::kMany}) {
     VulkanSkinnerOptions options;
     options.dispatch = dispatch;
     const auto skinner = MakeSkinner(options);
-    std::vector<VulkanSkinJob> jobs =
+    Vector<VulkanSkinJob> jobs =
         Crowd(kCount, AddRig(skinner.get(), cylinder_), {}, vertices.handle(), 0, num_cylinder_);
     for (size_t i = 0; i < kCount; ++i)
       jobs[i].transforms = poses_[i % 3].view();
@@ -269,7 +270,7 @@ TEST_F(VulkanFramesTest, RigsThatTakeTurnsInABuffer_AreDispatchedApart) {
   const auto skinner = MakeSkinner(options);
   const VkDeviceSize step = (num_cylinder_ + num_sphere_) * sizeof(SkinnedVertex);
   const VulkanBuffer vertices = MakeVertices(4 * step);
-  std::vector<VulkanSkinJob> jobs;
+  Vector<VulkanSkinJob> jobs;
   const VulkanSkinRig* rigs[2] = {AddRig(skinner.get(), cylinder_), AddRig(skinner.get(), sphere_)};
   for (uint64_t i = 0; i < 8; ++i) {
     VulkanSkinJob job;
@@ -337,7 +338,7 @@ TEST_F(VulkanFramesTest, FramesThatOverlapOnTheDevice_DoNotDisturbEachOther) {
     skinner->RemoveRig(other);  // while the frame is on its way
   }
   flight.Wait();
-  const std::vector<std::byte> bytes = RunFrame(skinner.get(), 0, {}, vertices);
+  const Vector<std::byte> bytes = RunFrame(skinner.get(), 0, {}, vertices);
   for (size_t frame = 0; frame < kFrames; ++frame) {
     for (const size_t i : {size_t{0}, frame * 2}) {
       const size_t offset = frame * frame_bytes + i * num_cylinder_ * sizeof(SkinnedVertex);

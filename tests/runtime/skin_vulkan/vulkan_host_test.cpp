@@ -1,4 +1,5 @@
 // What VulkanSkinner takes from its host: memory, functions that fail, a device that is lost.
+#include "core/vector.h"
 #include "runtime/skin_vulkan/vulkan_skin_fixture.h"
 
 #include <cstring>
@@ -102,7 +103,7 @@ TEST_F(VulkanHostTest, HostsAllocator_MakesAndFreesEveryBuffer) {
     ASSERT_TRUE(skinner.ok());
     const VulkanBuffer vertices = MakeVertices(vertex_bytes_);
     const VulkanSkinJob job = MakeJob(skinner->get(), vertices);
-    std::vector<std::byte> bytes;
+    Vector<std::byte> bytes;
     for (uint32_t frame = 0; frame < 8; ++frame) {
       bytes = RunFrame(skinner->get(), frame % 2, {&job, 1}, vertices);
       // Rig, staging, upload of two slots, two scratches: nothing more once all were in use.

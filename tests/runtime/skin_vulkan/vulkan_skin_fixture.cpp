@@ -1,5 +1,6 @@
 #include "runtime/skin_vulkan/vulkan_skin_fixture.h"
 
+#include "core/vector.h"
 #include "skin/cpu_skinner.h"
 
 #include <algorithm>
@@ -37,9 +38,9 @@ const VulkanSkinRig* VulkanSkinTest::AddRig(VulkanSkinner* skinner, const SkinFi
   return rig.ok() ? *rig : nullptr;
 }
 
-std::vector<std::byte> VulkanSkinTest::RunFrame(VulkanSkinner* skinner, uint32_t frame,
-                                                std::span<const VulkanSkinJob> jobs,
-                                                const VulkanBuffer& vertices, bool fill) {
+Vector<std::byte> VulkanSkinTest::RunFrame(VulkanSkinner* skinner, uint32_t frame,
+                                           std::span<const VulkanSkinJob> jobs,
+                                           const VulkanBuffer& vertices, bool fill) {
   VulkanBuffer copy_of;
   EXPECT_TRUE(copy_of
                   .Create(device_->api(), vertices.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
@@ -64,8 +65,8 @@ std::vector<std::byte> VulkanSkinTest::RunFrame(VulkanSkinner* skinner, uint32_t
   return {copy_of.mapped(), copy_of.mapped() + vertices.size()};
 }
 
-std::vector<SkinnedVertex> VulkanSkinTest::Skin(const SkinFixture& fixture, const SkinPose& pose,
-                                                const VulkanSkinnerOptions& options) {
+Vector<SkinnedVertex> VulkanSkinTest::Skin(const SkinFixture& fixture, const SkinPose& pose,
+                                           const VulkanSkinnerOptions& options) {
   const auto skinner = MakeSkinner(options);
   if (skinner == nullptr) return {};
   const size_t count = fixture.mesh.num_draw_vertices;

@@ -1,6 +1,7 @@
 // A host that skins with VulkanSkinner: vertex buffers of its own, submitted and read back.
 #pragma once
 
+#include "core/vector.h"
 #include "runtime/skin/skin_fixtures.h"
 #include "runtime/skin_vulkan/test_device.h"
 #include "skin_vulkan/vulkan_skinner.h"
@@ -9,7 +10,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace limber::test {
 
@@ -32,12 +32,12 @@ class VulkanSkinTest : public GpuTest {
   const VulkanSkinRig* AddRig(VulkanSkinner* skinner, const SkinFixture& fixture);
 
   // Records and submits one frame, waits, and copies the buffer. `fill`: with 0xCD first.
-  std::vector<std::byte> RunFrame(VulkanSkinner* skinner, uint32_t frame,
-                                  std::span<const VulkanSkinJob> jobs, const VulkanBuffer& vertices,
-                                  bool fill = false);
+  Vector<std::byte> RunFrame(VulkanSkinner* skinner, uint32_t frame,
+                             std::span<const VulkanSkinJob> jobs, const VulkanBuffer& vertices,
+                             bool fill = false);
   // One character in a skinner of its own.
-  std::vector<SkinnedVertex> Skin(const SkinFixture& fixture, const SkinPose& pose,
-                                  const VulkanSkinnerOptions& options = {});
+  Vector<SkinnedVertex> Skin(const SkinFixture& fixture, const SkinPose& pose,
+                             const VulkanSkinnerOptions& options = {});
 };
 
 // Positions, normals and tangents as the CPU has them, within what rounding explains.
@@ -45,8 +45,8 @@ void ExpectEqualToCpu(const SkinFixture& fixture, const SkinPose& pose,
                       std::span<const SkinnedVertex> gpu);
 
 template <class T>
-std::vector<T> ReadAs(std::span<const std::byte> bytes, size_t offset, size_t count) {
-  std::vector<T> values(count);
+Vector<T> ReadAs(std::span<const std::byte> bytes, size_t offset, size_t count) {
+  Vector<T> values(count);
   EXPECT_LE(offset + count * sizeof(T), bytes.size());
   std::memcpy(values.data(), bytes.data() + offset, count * sizeof(T));
   return values;

@@ -1,4 +1,5 @@
 // The numbers that VulkanSkinner writes, beside the CPU's.
+#include "core/vector.h"
 #include "runtime/skin_vulkan/vulkan_skin_fixture.h"
 #include "skin/cpu_skinner.h"
 
@@ -104,8 +105,8 @@ TEST_F(VulkanSkinnerTest, Staging_GivesTheSameBits) {
 
 TEST_F(VulkanSkinnerTest, SeamVertices_AreBitwiseEqual) {
   const test::SkinFixture fixture = test::MakeSeamSphereFixture(21, 10);
-  const std::vector<SkinnedVertex> gpu = Skin(fixture, SpherePose(fixture));
-  std::vector<int> first(fixture.mesh.num_solve_vertices, -1);
+  const Vector<SkinnedVertex> gpu = Skin(fixture, SpherePose(fixture));
+  Vector<int> first(fixture.mesh.num_solve_vertices, -1);
   int shared = 0;
   for (size_t d = 0; d < gpu.size(); ++d) {
     int& known = first[fixture.mesh.solve_vertex[d]];

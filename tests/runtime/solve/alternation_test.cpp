@@ -3,6 +3,7 @@
 
 #include "bake/edge_groups.h"
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "deform/example_arap/full_energy.h"
 #include "deform/example_arap/paper_tensors.h"
 #include "geometry/bridges.h"
@@ -92,10 +93,10 @@ class AlternationTest : public testing::Test {
   std::shared_ptr<const PoseModel> model_;
   std::optional<Alternation<3>> alternation_;
   Alternation<3>::Outcome outcome_;
-  std::vector<int> pinned_vertices_;
+  Vector<int> pinned_vertices_;
   Eigen::MatrixXd weights_;
-  std::vector<Eigen::MatrixXd> shapes_;
-  std::vector<geometry::GroupEdge> edges_;
+  Vector<Eigen::MatrixXd> shapes_;
+  Vector<geometry::GroupEdge> edges_;
 };
 
 TEST_F(AlternationTest, Energy_EqualsTheOneOfTheFullMesh) {
@@ -132,7 +133,7 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
   deform::ExampleState state = State();
   const deform::PaperTensors tensors =
       deform::BuildPaperTensors(shapes_, weights_, edges_, rig_->num_groups());
-  const auto value = [&](const std::vector<double>& blend) {
+  const auto value = [&](const Vector<double>& blend) {
     const Eigen::MatrixXd t = tensors.Minimise(pinned_vertices_, Targets(), blend, state.rotations);
     return tensors.Energy(t, blend, state.rotations);
   };
@@ -146,7 +147,7 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
   ElasticMemory<3> memory(*model_);
   ElasticForm<3> form(*model_, *model_->pins, planes, nullptr, &memory);
   form.TakeRotations();
-  std::vector<int> all(static_cast<size_t>(model_->num_blocks));
+  Vector<int> all(static_cast<size_t>(model_->num_blocks));
   std::iota(all.begin(), all.end(), 0);
   // K_z C^T, of which f's other part is made: 1/2 tr(d^T W d), d = X - sum_j B_j V_j^T R_j^T.
   const RigTables& tables = rig_->tables();
@@ -160,9 +161,9 @@ TEST_F(AlternationTest, QuadraticForm_HasTheSlopeOfFiniteDifferences) {
   for (int j = 0; j < model_->num_blocks; ++j)
     gap -= state.blend[size_t(j)] * turned(j);
   const double step = 1e-4;
-  std::vector<double> column(all.size());
+  Vector<double> column(all.size());
   for (int i = 0; i < model_->num_blocks; ++i) {
-    std::vector<double> up = state.blend, down = state.blend;
+    Vector<double> up = state.blend, down = state.blend;
     up[static_cast<size_t>(i)] += step;
     down[static_cast<size_t>(i)] -= step;
     const double differences = (value(up) - value(down)) / (2 * step);
@@ -180,9 +181,9 @@ TEST_F(AlternationTest, Nearness_IsEachShapesOwnEnergyOnTheFullMesh) {
   for (int s = 0; s < model_->num_shapes; ++s) {
     const deform::PaperTensors single = deform::BuildPaperTensors(
         {shapes_[static_cast<size_t>(s)]}, weights_, edges_, rig_->num_groups());
-    std::vector<Eigen::MatrixXd> rotations(static_cast<size_t>(model_->num_groups),
-                                           Eigen::Matrix3d::Identity());
-    const std::vector<double> ones(static_cast<size_t>(model_->num_groups), 1.0);
+    Vector<Eigen::MatrixXd> rotations(static_cast<size_t>(model_->num_groups),
+                                      Eigen::Matrix3d::Identity());
+    const Vector<double> ones(static_cast<size_t>(model_->num_groups), 1.0);
     // Local/global from the rotations of the alternation until it rests.
     for (int g = 0; g < model_->num_groups; ++g) {
       rotations[static_cast<size_t>(g)] = alternation_->rotation(g * model_->num_shapes + s);

@@ -1,6 +1,7 @@
 // The convex step against its optimality conditions and against an independent, slow solver.
 #include "solve/blend_weight_step.h"
 
+#include "core/vector.h"
 #include "runtime/solve/dense_form.h"
 
 #include <Eigen/Core>
@@ -47,7 +48,7 @@ RandomProblem Make(int groups, int shapes, int rows, unsigned seed) {
 // Calls Solve until B rests, as frames do: the proximal term vanishes there.
 Eigen::VectorXd SolveFast(const RandomProblem& p, BlendReport* report, double roughness = 0) {
   // Rows with a target are given as rows, the others, multiplied out, as the quadratic form.
-  std::vector<int> with, without;
+  Vector<int> with, without;
   for (int row = 0; row < p.a.rows(); ++row)
     (p.target[row] != 0 ? with : without).push_back(row);
   const Eigen::MatrixXd rest = p.a(without, Eigen::all);
@@ -88,7 +89,7 @@ void ExpectOptimal(const RandomProblem& p, const Eigen::VectorXd& b) {
 }
 
 Eigen::VectorXd ProjectToSimplex(const Eigen::VectorXd& v) {
-  std::vector<double> sorted(v.data(), v.data() + v.size());
+  Vector<double> sorted(v.data(), v.data() + v.size());
   std::sort(sorted.rbegin(), sorted.rend());
   double sum = 0, shift = 0;
   for (size_t i = 0; i < sorted.size(); ++i) {

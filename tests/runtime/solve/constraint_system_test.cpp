@@ -1,5 +1,6 @@
 #include "solve/constraint_system.h"
 
+#include "core/vector.h"
 #include "support/counting_allocator.h"
 
 #include <Eigen/Eigenvalues>
@@ -23,8 +24,8 @@ struct Rows {
         translation(VectorXd::Ones(c)),
         compliance(VectorXd::Zero(c)) {}
 
-  std::vector<ConstraintRow> List() const {
-    std::vector<ConstraintRow> list;
+  Vector<ConstraintRow> List() const {
+    Vector<ConstraintRow> list;
     for (Eigen::Index i = 0; i < modes.rows(); ++i)
       list.push_back({modes.row(i).data(), translation[i], compliance[i]});
     return list;

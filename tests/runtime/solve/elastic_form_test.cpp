@@ -3,6 +3,7 @@
 #include "solve/elastic_form.h"
 
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/held_points.h"
 #include "solve/rotation_planes.h"
@@ -117,10 +118,10 @@ void ExpectQuadraticForm(const bake::RawCharacter& raw) {
   const Eigen::MatrixXd q = factors.transpose() * factors;
   const double largest = q.cwiseAbs().maxCoeff();
   ASSERT_GT(largest, 0);
-  std::vector<int> others;
+  Vector<int> others;
   for (int i = blocks - 1; i >= 0; i -= 2)
     others.push_back(i);
-  std::vector<double> entries(others.size());
+  Vector<double> entries(others.size());
   for (int j = 0; j < blocks; ++j) {
     form.Entries(j, others.data(), others.size(), entries.data());
     for (size_t n = 0; n < others.size(); ++n)

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/rotation_fit.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "solve/trust_region.h"
 
@@ -14,7 +15,6 @@
 #include <cstdio>
 #include <memory>
 #include <random>
-#include <vector>
 
 namespace limber::test {
 
@@ -153,7 +153,7 @@ class GuardedPair {
   TrustRegion<K> trust;
 
  private:
-  static Eigen::MatrixXd Table(const std::vector<float>& table, Eigen::Index columns) {
+  static Eigen::MatrixXd Table(const Vector<float>& table, Eigen::Index columns) {
     using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     return Eigen::Map<const RowMajor>(table.data(),
                                       static_cast<Eigen::Index>(table.size()) / columns, columns)
@@ -195,7 +195,7 @@ class GuardedPair {
   // Single shapes may leave a saddle slowly, so many steps are looked over at once.
   void RestNearness(Alternation<K>* alternation) const {
     if (model->num_shapes == 1) return;
-    std::vector<double> last(static_cast<size_t>(model->num_blocks));
+    Vector<double> last(static_cast<size_t>(model->num_blocks));
     for (int round = 0; round < 200; ++round) {
       for (int i = 0; i < 200; ++i)
         alternation->AdvanceNearness(*model);

@@ -1,4 +1,5 @@
 // Thousands of frames of whatever a player does: nothing breaks, nothing drifts, nothing jumps.
+#include "core/vector.h"
 #include "load/rig_loader.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/alternation.h"
@@ -49,7 +50,7 @@ class Wanderer {
   static constexpr int kWaves = 3;
   const Rig& rig_;
   float reach_;
-  std::vector<float> phases_, speeds_;
+  Vector<float> phases_, speeds_;
 };
 
 struct Case {
@@ -60,10 +61,10 @@ struct Case {
   bool is_square = false;  // k = 2; else the cylinder
 };
 
-std::vector<Case> Cases() {
-  std::vector<Case> cases = {{"Rotations", {}},     {"HeldRotations", {}}, {"BakedWithout", {}},
-                             {"NoSquareRoots", {}}, {"UniformBlend", {}},  {"OneShape", {}},
-                             {"Square", {}},        {"SquareOneShape", {}}};
+Vector<Case> Cases() {
+  Vector<Case> cases = {{"Rotations", {}},     {"HeldRotations", {}}, {"BakedWithout", {}},
+                        {"NoSquareRoots", {}}, {"UniformBlend", {}},  {"OneShape", {}},
+                        {"Square", {}},        {"SquareOneShape", {}}};
   cases[2].bake_rotations = false;
   cases[5].shapes = cases[7].shapes = 1;
   cases[6].is_square = cases[7].is_square = true;
@@ -113,8 +114,8 @@ class LongDragTest : public testing::TestWithParam<Case> {
     }
   }
 
-  double LargestMotion(const std::vector<Eigen::Vector3d>& from,
-                       const std::vector<Eigen::Vector3d>& to) const {
+  double LargestMotion(const Vector<Eigen::Vector3d>& from,
+                       const Vector<Eigen::Vector3d>& to) const {
     double largest = 0;
     for (size_t v = 0; v < from.size(); ++v)
       largest = std::max(largest, (to[v] - from[v]).norm());
@@ -131,7 +132,7 @@ class LongDragTest : public testing::TestWithParam<Case> {
     PoseState state = MakeState();
     const Wanderer wanderer(*rig_, 3, 0.4f);
     Steps steps;
-    std::vector<Eigen::Vector3d> last;
+    Vector<Eigen::Vector3d> last;
     for (float frame = 0; frame < kFrames / 2; frame += step) {
       SetTargets([&](int handle) { return wanderer.At(handle, frame); }, &state);
       for (const int handle : model_->pinned_handles) {
@@ -140,7 +141,7 @@ class LongDragTest : public testing::TestWithParam<Case> {
         steps.target = std::max(steps.target, double{moved.norm() / rig_->diagonal()});
       }
       Solve(&state);
-      std::vector<Eigen::Vector3d> now = test::SkinNaively(*rig_, state.transforms());
+      Vector<Eigen::Vector3d> now = test::SkinNaively(*rig_, state.transforms());
       const double mesh = last.empty() ? 0 : LargestMotion(last, now);
       if (mesh > steps.mesh) steps.frame = frame;
       steps.mesh = std::max(steps.mesh, mesh);
@@ -371,8 +372,8 @@ TEST_P(SessionHashTest, AgainWithAModelOfItsOwn_IsTheSame) {
 }
 
 TEST_P(SessionHashTest, OnManyThreadsSharingAModel_IsTheSame) {
-  std::vector<uint64_t> hashes(5);
-  std::vector<std::thread> threads;
+  Vector<uint64_t> hashes(5);
+  Vector<std::thread> threads;
   for (uint64_t& hash : hashes)
     threads.emplace_back([&hash, this] { hash = HashOfSession(model_); });
   for (std::thread& thread : threads)

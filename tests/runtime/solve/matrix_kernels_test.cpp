@@ -1,4 +1,5 @@
 // The kernels of plain vectors and matrices, as solve_kernels_test.cpp those over blocks.
+#include "core/vector.h"
 #include "runtime/solve/kernel_fixture.h"
 
 #include <Eigen/Cholesky>
@@ -61,7 +62,7 @@ AlignedVector<double> ColumnsOf(const AlignedVector<double>& rotations) {
 // Of some blocks, more than are fetched ahead.
 TYPED_TEST(MatrixKernelsTest, TurnedEntries_AreTheirFormula) {
   constexpr int K = TypeParam::value;
-  std::vector<int> blocks;
+  Vector<int> blocks;
   for (int i = 0; i < static_cast<int>(kBlocks); ++i) {
     if (i % 4 != 2) blocks.push_back(i);
   }
@@ -90,7 +91,7 @@ TYPED_TEST(MatrixKernelsTest, TurnedEntries_AreTheirFormula) {
 
 TYPED_TEST(MatrixKernelsTest, ProductsOfSingleMatrices_AreTheirFormula) {
   constexpr int K = TypeParam::value;
-  const std::vector<int> blocks = {0, 3, 4};
+  const Vector<int> blocks = {0, 3, 4};
   const size_t stride = kBlocks * K * K;
   const auto matrices = this->numbers_.Some(5 * stride);
   const auto m = this->numbers_.Some(blocks.size() * K * K);

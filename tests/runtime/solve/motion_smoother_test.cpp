@@ -1,5 +1,6 @@
 #include "solve/motion_smoother.h"
 
+#include "core/vector.h"
 #include "solve/rotation_planes.h"
 #include "support/counting_allocator.h"
 
@@ -46,12 +47,12 @@ double AngleOf(const MotionSmoother<K>& smoother) {
 }
 
 // Weight shown over a path, at each multiple of `every` seconds.
-std::vector<double> Follow(const std::function<double(double)>& path, double rate, double seconds,
-                           double every) {
+Vector<double> Follow(const std::function<double(double)>& path, double rate, double seconds,
+                      double every) {
   MotionSmoother<3> smoother(kGroups, kShapes);
   const Input<3> start(path(0), 0);
   smoother.Reset(start.blend, start.rotations);
-  std::vector<double> shown;
+  Vector<double> shown;
   const int frames = static_cast<int>(std::lround(seconds * rate));
   const int between = static_cast<int>(std::lround(every * rate));
   for (int frame = 1; frame <= frames; ++frame) {
@@ -172,7 +173,7 @@ TEST(MotionSmoother, KinkedInput_GivesTwoContinuousDerivatives) {
   const auto kinked = [](double t) { return t < 0.5 ? 0.2 : 0.2 + (t - 0.5); };
   double last_jump = 1e300;
   for (const double rate : {100.0, 400.0, 1600.0}) {
-    const std::vector<double> shown = Follow(kinked, rate, 1, 1 / rate);
+    const Vector<double> shown = Follow(kinked, rate, 1, 1 / rate);
     double largest = 0, largest_jump = 0, previous = 0;
     for (size_t i = 1; i + 1 < shown.size(); ++i) {
       const double second = (shown[i + 1] - 2 * shown[i] + shown[i - 1]) * rate * rate;
@@ -189,10 +190,10 @@ TEST(MotionSmoother, KinkedInput_GivesTwoContinuousDerivatives) {
 // The same path at other frame rates: what differs is the sampling of the path, of second order.
 TEST(MotionSmoother, FrameRates_AgreeToSecondOrder) {
   const auto path = [](double t) { return 0.5 + 0.4 * std::sin(3 * t); };
-  const std::vector<double> fine = Follow(path, 3840, 2, 0.1);
+  const Vector<double> fine = Follow(path, 3840, 2, 0.1);
   double last = 0;
   for (const double rate : {30.0, 60.0, 120.0, 240.0}) {
-    const std::vector<double> shown = Follow(path, rate, 2, 0.1);
+    const Vector<double> shown = Follow(path, rate, 2, 0.1);
     double error = 0;
     for (size_t i = 0; i < fine.size(); ++i)
       error = std::max(error, std::abs(shown[i] - fine[i]));

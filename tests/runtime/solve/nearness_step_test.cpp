@@ -1,6 +1,7 @@
 // What is not evaluated must not matter: the lower bounds of sqrt(D) are bounds, and good ones.
 #include "solve/nearness_step.h"
 
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 
 #include <cmath>
@@ -21,8 +22,8 @@ class NearnessStepTest : public testing::TestWithParam<bool> {
     }
   }
 
-  std::vector<double> TargetsAt(int frame) const {
-    std::vector<double> targets = rest_;
+  Vector<double> TargetsAt(int frame) const {
+    Vector<double> targets = rest_;
     for (size_t i = 0; i < targets.size(); ++i) {
       const double phase = static_cast<double>(i);
       targets[i] += 0.4 * std::sin(0.02 * frame + phase) - 0.4 * std::sin(phase);
@@ -31,7 +32,7 @@ class NearnessStepTest : public testing::TestWithParam<bool> {
   }
 
   std::shared_ptr<const PoseModel> model_;
-  std::vector<double> rest_;  // [c][3], rig space
+  Vector<double> rest_;  // [c][3], rig space
 };
 
 TEST_P(NearnessStepTest, LowerBounds_AreBelowTheRootsAndNear) {
@@ -40,7 +41,7 @@ TEST_P(NearnessStepTest, LowerBounds_AreBelowTheRootsAndNear) {
   std::mt19937 engine(5);
   double bounds = 0, roots = 0;
   for (int frame = 0; frame < 300; ++frame) {
-    const std::vector<double> targets = TargetsAt(frame);
+    const Vector<double> targets = TargetsAt(frame);
     lazy.Run(*model_, *model_->pins, targets.data(), hold_rotations);
     thorough.Run(*model_, *model_->pins, targets.data(), hold_rotations);
     for (int block = 0; block < model_->num_blocks; ++block) {
@@ -62,10 +63,10 @@ TEST_P(NearnessStepTest, LowerBounds_AreBelowTheRootsAndNear) {
 
 TEST_P(NearnessStepTest, TargetsAtRest_BoundsStayRoots) {
   NearnessStep<3> step(*model_);
-  const std::vector<double> targets = TargetsAt(100);
+  const Vector<double> targets = TargetsAt(100);
   for (int frame = 0; frame < 3000; ++frame)
     step.Run(*model_, *model_->pins, targets.data(), GetParam());
-  std::vector<double> roots;
+  Vector<double> roots;
   for (int block = 0; block < model_->num_blocks; ++block)
     roots.push_back(step.Root(*model_, block));
   for (int frame = 0; frame < 100; ++frame)

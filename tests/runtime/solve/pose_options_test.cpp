@@ -1,5 +1,6 @@
 // What a PoseState does beyond the paper's plain alternation, each where it was asked for: motion
 // smooth in time, limits on stretch, the guaranteed mode.
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_model.h"
 #include "solve/pose_solver.h"
@@ -62,11 +63,11 @@ class SmoothingTest : public PoseOptionsTest {
   }
 
   // Mean weight of the middle example at each tenth of a second, and the state in the end.
-  std::vector<double> Drag(double rate, double smoothing, PoseState* state) const {
+  Vector<double> Drag(double rate, double smoothing, PoseState* state) const {
     PoseOptions options = Settled();
     options.smoothing = smoothing;
     options.time_step = 1 / rate;
-    std::vector<double> weights;
+    Vector<double> weights;
     const int frames = static_cast<int>(2 * rate), between = static_cast<int>(rate / 10);
     for (int frame = 1; frame <= frames; ++frame) {
       EXPECT_TRUE(state->SetTarget(right_, Target(frame / rate)).ok());
@@ -105,7 +106,7 @@ TEST_F(SmoothingTest, AtRest_ShowsTheSolution) {
     largest = std::max(largest, std::abs(double{a[i]} - double{b[i]}));
   EXPECT_LT(largest, 1e-6);
   options.smoothing = 0;  // switched off at rest: nothing happens
-  const std::vector<float> shown(a.begin(), a.end());
+  const Vector<float> shown(a.begin(), a.end());
   options.iterations = 1;
   ASSERT_TRUE(smooth.Solve(options, nullptr).ok());
   for (size_t i = 0; i < shown.size(); ++i)
@@ -119,7 +120,7 @@ TEST_F(SmoothingTest, EvenDrag_HasSmallerSecondDifferences) {
     PoseOptions options = Settled();
     options.smoothing = smoothing;
     options.time_step = 1.0 / 120;
-    std::vector<std::vector<Vector3d>> shown;
+    Vector<Vector<Vector3d>> shown;
     double largest = 0;
     for (int frame = 1; frame <= 160; ++frame) {
       EXPECT_TRUE(state.SetTarget(right_, Target(frame / 120.0)).ok());
@@ -142,11 +143,11 @@ TEST_F(SmoothingTest, EvenDrag_HasSmallerSecondDifferences) {
 
 TEST_F(SmoothingTest, FrameRates_ShowTheSameMotion) {
   PoseState state = MakeState();
-  const std::vector<double> fine = Drag(480, 0.1, &state);
+  const Vector<double> fine = Drag(480, 0.1, &state);
   double last = 1;
   for (const double rate : {30.0, 60.0, 120.0, 240.0}) {
     PoseState other = MakeState();
-    const std::vector<double> shown = Drag(rate, 0.1, &other);
+    const Vector<double> shown = Drag(rate, 0.1, &other);
     ASSERT_EQ(shown.size(), fine.size());
     double error = 0;
     for (size_t i = 0; i < fine.size(); ++i)

@@ -1,3 +1,4 @@
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/pose_model.h"
 #include "solve/pose_solver.h"
@@ -195,7 +196,7 @@ TEST_F(PoseStateTest, RigWithoutRotations_RefusesThemAndSolvesWithout) {
 
 TEST_F(PoseStateTest, AtRest_TheFirstShapeIsThere) {
   const PoseState state = MakeState();
-  const std::vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state.transforms());
+  const Vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state.transforms());
   for (uint32_t v = 0; v < q.size(); ++v) {
     EXPECT_LT((q[v] - test::ShapePosition(*rig_, 0, v)).norm(), 1e-5 * rig_->diagonal());
   }

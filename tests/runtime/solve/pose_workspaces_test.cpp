@@ -3,6 +3,7 @@
 
 #include "bench/made_character.h"
 #include "bench/quick_bake.h"
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "support/counting_allocator.h"
 
@@ -55,7 +56,7 @@ class PoseWorkspacesTest : public testing::TestWithParam<bool> {
 
 // Three states take turns on one alternation, each beside one of its own.
 TEST_P(PoseWorkspacesTest, StatesInTurn_GiveTheBitsOfTheirOwn) {
-  std::vector<PoseState> own, borrowing;
+  Vector<PoseState> own, borrowing;
   for (int i = 0; i < 3; ++i) {
     own.push_back(Own());
     borrowing.push_back(Borrowing());

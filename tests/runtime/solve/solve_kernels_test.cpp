@@ -1,5 +1,6 @@
 // Each kernel over blocks, of each instruction set, against the formula in its header, written
 // plainly; and all sets with a fused multiply-add against each other, bit for bit.
+#include "core/vector.h"
 #include "runtime/solve/kernel_fixture.h"
 
 #include <Eigen/Geometry>
@@ -38,7 +39,7 @@ TYPED_TEST(SolveKernelsTest, Traces_AreTheirFormula) {
 // once and of more.
 TYPED_TEST(SolveKernelsTest, Products_AreTheirFormula) {
   constexpr int K = TypeParam::value;
-  const std::vector<int> blocks = {0, 2, 3, 4, 7, 8};
+  const Vector<int> blocks = {0, 2, 3, 4, 7, 8};
   for (const size_t chunks : {size_t{3}, size_t{32}, size_t{67}}) {
     const size_t size = chunks * kBlockLanes * K * K;
     const auto numbers = this->numbers_.Some(9 * size);
@@ -76,7 +77,7 @@ TYPED_TEST(SolveKernelsTest, Products_AreTheirFormula) {
 // Of fewer chunks of rows than are worked on at once and of more.
 TYPED_TEST(SolveKernelsTest, Transforms_AreTheirFormula) {
   constexpr int K = TypeParam::value;
-  const std::vector<int> blocks = {1, 2, 4};
+  const Vector<int> blocks = {1, 2, 4};
   for (const size_t chunks : {size_t{1}, size_t{2}, size_t{3}, size_t{100}}) {
     const size_t size = chunks * K * kBlockLanes;
     const auto doubles = this->numbers_.Some(5 * size);
@@ -174,7 +175,7 @@ TYPED_TEST(SolveKernelsTest, ModelsOfOneShape_AreTheirFormulas) {
   const auto rotations = this->numbers_.template Rotations<K>(kBlocks);
   AlignedVector<float> by_mode(kBlocks * K * stride), by_group(this->chunks_ * modes * K * 8);
   const auto doubles = this->numbers_.Some(kBlocks * K * modes);
-  const std::vector<float> edge(doubles.begin(), doubles.end());
+  const Vector<float> edge(doubles.begin(), doubles.end());
   for (size_t g = 0; g < kBlocks; ++g) {
     for (size_t a = 0; a < K; ++a) {
       for (size_t m = 0; m < modes; ++m) {
@@ -289,7 +290,7 @@ TYPED_TEST(SolveKernelsTest, Procrustes_IsTheGlobalMaximumOrSaysSo) {
     }
     const auto run = [&](const SolveKernels& set) {
       AlignedVector<double> rotations = starts;
-      std::vector<uint8_t> failed(this->chunks_ * 8);
+      Vector<uint8_t> failed(this->chunks_ * 8);
       set.fit_rotations(fits.data(), rotations.data(), this->chunks_, failed.data());
       size_t done = 0;
       for (size_t i = 0; i < kBlocks; ++i) {
@@ -335,7 +336,7 @@ TYPED_TEST(SolveKernelsTest, Procrustes_WhereSeveralServe_KeepsTheLast) {
   }
   this->ForEachSet([&](const SolveKernels& set) {
     AlignedVector<double> rotations = starts;
-    std::vector<uint8_t> failed(this->chunks_ * 8);
+    Vector<uint8_t> failed(this->chunks_ * 8);
     for (int frame = 0; frame < 1000; ++frame)
       set.fit_rotations(fits.data(), rotations.data(), this->chunks_, failed.data());
     for (size_t i = 0; i < kBlocks; ++i) {

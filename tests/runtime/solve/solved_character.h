@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bake/bake.h"
+#include "core/vector.h"
 #include "rig/rig.h"
 #include "skin/skin_transforms.h"
 #include "support/test_meshes.h"
@@ -22,9 +23,9 @@ inline std::shared_ptr<const Rig> BakeInMemory(const bake::RawCharacter& raw,
 }
 
 // Eq. 6 in double, straight from the tables: [V] positions in mesh space.
-inline std::vector<Eigen::Vector3d> SkinNaively(const Rig& rig, const SkinTransforms& transforms) {
+inline Vector<Eigen::Vector3d> SkinNaively(const Rig& rig, const SkinTransforms& transforms) {
   const SkinMesh& mesh = rig.mesh();
-  std::vector<Eigen::Vector3d> positions;
+  Vector<Eigen::Vector3d> positions;
   for (uint32_t v = 0; v < mesh.num_solve_vertices; ++v) {
     Eigen::Vector3d q(transforms.origin.x, transforms.origin.y, transforms.origin.z);
     for (int h = 0; h < mesh.num_handles; ++h) {

@@ -1,4 +1,5 @@
 // The paper's figures 1 and 8: a square with three example shapes dragged by its right handle.
+#include "core/vector.h"
 #include "runtime/solve/solved_character.h"
 #include "solve/nearness_step.h"
 #include "solve/pose_solver.h"
@@ -44,7 +45,7 @@ class SquareTest : public testing::TestWithParam<bool> {
   }
 
   double LargestDistanceToShape(int shape) const {
-    const std::vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
+    const Vector<Eigen::Vector3d> q = test::SkinNaively(*rig_, state_->transforms());
     double largest = 0;
     for (uint32_t v = 0; v < q.size(); ++v) {
       largest = std::max(largest, (q[v] - test::ShapePosition(*rig_, shape, v)).norm());
@@ -92,7 +93,7 @@ TEST_P(SquareTest, NearAnExample_TheMixCostsMore) {
   for (const auto& target : cases) {
     const PoseReport report = DragTo(target.x);
     NearnessStep<2> nearness(*model);
-    std::vector<double> targets;
+    Vector<double> targets;
     for (const int handle : model->pinned_handles) {
       const Vec3 x = rig_->ToRig(state_->target(handle));
       targets.insert(targets.end(), {double{x.x}, double{x.y}});

@@ -1,5 +1,6 @@
 #include "solve/stretch_limit.h"
 
+#include "core/vector.h"
 #include "support/counting_allocator.h"
 
 #include <Eigen/Core>
@@ -9,7 +10,6 @@
 #include <limits>
 #include <numeric>
 #include <random>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -20,9 +20,9 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // Points with limits of their own, beside what the class takes.
 struct Case {
-  std::vector<int> handles;
-  std::vector<float> reach;
-  std::vector<double> weights;
+  Vector<int> handles;
+  Vector<float> reach;
+  Vector<double> weights;
   double limit = 1;
   MatrixXd targets;  // k x c
 
