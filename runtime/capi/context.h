@@ -11,6 +11,7 @@
 #include "core/vector.h"
 #include "drive/input_recorder.h"
 #include "drive/spring_follower.h"
+#include "ray/nearest_hit.h"
 #include "rig/rig.h"
 #include "skin/cpu_skinner.h"
 #include "solve/pose_solver.h"
@@ -25,10 +26,17 @@
 
 namespace limber::capi {
 
-// What skinning needs: of all instances of a rig, and scratch of those that are at it.
+// What one pick needs.
+struct PickScratch : NewFromSource {
+  Vector<Vec3> positions;  // [D]
+  NearestHitFinder finder;
+};
+
+// What skinning and picking need: of all instances of a rig, and scratch of those that are at it.
 struct SkinShare {
   std::shared_ptr<const SkinSurface> surface;
   ObjectPool<CpuSkinner> idle;
+  ObjectPool<PickScratch> idle_picks;
 };
 
 // A loaded rig, and what its instances share, made for the first of them.

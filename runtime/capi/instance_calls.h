@@ -14,4 +14,7 @@ CallStatus SolveInstance(const LimberSolveDef& def, Instance* instance, LimberSo
 
 CallStatus SkinInstance(const LimberSkinDef* def, Instance* instance);
 
+// What both that and a pick say where the instance was made without room for skinning.
+CallStatus WithoutSkin();
+
 }  // namespace limber::capi

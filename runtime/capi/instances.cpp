@@ -61,10 +61,7 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.positions, "positions", sizeof(Vec3)));
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.normals, "normals", sizeof(Vec3)));
   LIMBER_RETURN_IF_FAILED(CheckOutput(def.tangents, "tangents", sizeof(Tangent)));
-  if (instance.skins == nullptr) {
-    return {LIMBER_ERROR_UNSUPPORTED,
-            "the instance was made without room for it (LimberInstanceDef::skin)"};
-  }
+  if (instance.skins == nullptr) return WithoutSkin();
   const uint32_t expected = instance.state.rig().mesh().num_draw_vertices;
   if (def.num_vertices == expected) return {};
   return {LIMBER_ERROR_INVALID_ARGUMENT, "num_vertices: " + std::to_string(def.num_vertices) +
@@ -72,6 +69,11 @@ CallStatus CheckSkinDef(const LimberSkinDef& def, const Instance& instance) {
 }
 
 }  // namespace
+
+CallStatus WithoutSkin() {
+  return {LIMBER_ERROR_UNSUPPORTED,
+          "the instance was made without room for it (LimberInstanceDef::skin)"};
+}
 
 CallStatus MakeInstance(const LimberInstanceDef& def, RigEntry* entry,
                         std::unique_ptr<Instance>* instance) {

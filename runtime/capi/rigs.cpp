@@ -113,6 +113,31 @@ LimberResult limberGetRigInfo(LimberContext* context, LimberRigId rig, LimberRig
   });
 }
 
+LimberResult limberGetNumPrimitives(LimberContext* context, LimberRigId rig, int32_t* count) {
+  return CallOn(context, "limberGetNumPrimitives", rig, [&](const RigEntry* entry) -> CallStatus {
+    if (count == nullptr) return NullArgument("count");
+    *count = static_cast<int32_t>(entry->rig->mesh().primitives.size());
+    return {};
+  });
+}
+
+LimberResult limberGetPrimitiveInfo(LimberContext* context, LimberRigId rig, int32_t primitive,
+                                    LimberPrimitiveInfo* info) {
+  return CallOn(context, "limberGetPrimitiveInfo", rig, [&](const RigEntry* entry) -> CallStatus {
+    if (info == nullptr) return NullArgument("info");
+    const Vector<SkinPrimitive>& primitives = entry->rig->mesh().primitives;
+    if (primitive < 0 || static_cast<size_t>(primitive) >= primitives.size()) {
+      return {LIMBER_ERROR_INVALID_ARGUMENT, "primitive " + std::to_string(primitive) +
+                                                 ": there are " +
+                                                 std::to_string(primitives.size())};
+    }
+    const SkinPrimitive& from = primitives[static_cast<size_t>(primitive)];
+    *info = {from.first_vertex,  from.num_vertices,   from.first_triangle,
+             from.num_triangles, from.gltf_primitive, from.material};
+    return {};
+  });
+}
+
 LimberResult limberGetHandleInfo(LimberContext* context, LimberRigId rig, int32_t handle,
                                  LimberHandleInfo* info) {
   return CallOn(context, "limberGetHandleInfo", rig, [&](const RigEntry* entry) -> CallStatus {

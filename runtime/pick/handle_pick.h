@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pick/picker.h"
-#include "pick/triangle_hit.h"
+#include "ray/triangle_hit.h"
 
 #include <optional>
 

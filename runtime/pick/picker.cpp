@@ -3,7 +3,7 @@
 #include "core/out_of_memory.h"
 #include "core/vector.h"
 #include "pick/handle_pick.h"
-#include "pick/triangle_hit.h"
+#include "ray/triangle_hit.h"
 
 #include <embree3/rtcore.h>
 

@@ -191,6 +191,21 @@ typedef struct LimberRigInfo {
 LIMBER_API LimberResult limberGetRigInfo(LimberContext* context, LimberRigId rig,
                                          LimberRigInfo* info);
 
+/* A part of the skin with one material: a primitive of the glTF mesh. */
+typedef struct LimberPrimitiveInfo {
+  uint32_t first_vertex, num_vertices; /* its own: no two primitives share a vertex */
+  uint32_t first_triangle, num_triangles;
+  int32_t gltf_primitive; /* its number in the file's mesh: those without triangles are left out */
+  int32_t gltf_material;  /* the file's number; -1: none, glTF's default */
+} LimberPrimitiveInfo;
+
+/* In the file's order, which is that of vertices and triangles. Any thread. Errors: STALE_ID,
+ * INVALID_ARGUMENT. */
+LIMBER_API LimberResult limberGetNumPrimitives(LimberContext* context, LimberRigId rig,
+                                               int32_t* count);
+LIMBER_API LimberResult limberGetPrimitiveInfo(LimberContext* context, LimberRigId rig,
+                                               int32_t primitive, LimberPrimitiveInfo* info);
+
 typedef struct LimberHandleInfo {
   const char* name;       /* UTF-8; lives until the rig is destroyed */
   float rest_position[3]; /* where it is in the first example shape */
@@ -306,6 +321,25 @@ LIMBER_API LimberResult limberRelease(LimberContext* context, LimberInstanceId i
 /* Where a point of the skin is after the last solve. [frame] Errors: STALE_ID, INVALID_ARGUMENT. */
 LIMBER_API LimberResult limberGetPlace(LimberContext* context, LimberInstanceId instance,
                                        const LimberSkinPoint* point, float position[3]);
+
+typedef struct LimberPickHit {
+  int32_t found;                /* 0: the ray meets nothing, and the rest is zero */
+  int32_t front_facing;         /* 1: from the side of the normal */
+  uint32_t triangle;            /* of LimberRigInfo::triangles */
+  LimberSkinPoint point;        /* for limberGrab */
+  float position[3], normal[3]; /* mesh space; of the flat triangle, unit */
+  float distance;               /* in units of mesh space, whatever the direction's length */
+} LimberPickHit;
+
+/* Where a ray first meets the skin of the last solve, from either side: mesh space, `direction` of
+ * any length but zero. At equal distances the first triangle counts; of a character in one plane
+ * the last, which is painted above the others. Skins the positions and looks at every triangle, a
+ * millisecond for 50 thousand: for a click. An engine that has its own way to find a triangle
+ * passes it to limberGrab. [frame] after the first of a rig. Errors: STALE_ID, INVALID_ARGUMENT,
+ * UNSUPPORTED (an instance without room for skinning). */
+LIMBER_API LimberResult limberPick(LimberContext* context, LimberInstanceId instance,
+                                   const float origin[3], const float direction[3],
+                                   LimberPickHit* hit);
 
 /* Targets at rest, no rotation, held what was baked as held. [frame] */
 LIMBER_API LimberResult limberResetToRest(LimberContext* context, LimberInstanceId instance);

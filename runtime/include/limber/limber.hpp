@@ -124,6 +124,12 @@ class Instance : public Owned<LimberInstanceId, limberDestroyInstance> {
 
   void Release(int32_t grab) { Check(limberRelease(context_, id_, grab), context_); }
 
+  LimberPickHit Pick(const Point& origin, const Point& direction) const {
+    LimberPickHit hit = {};
+    Check(limberPick(context_, id_, origin.data(), direction.data(), &hit), context_);
+    return hit;
+  }
+
   Point Place(const LimberSkinPoint& point) const {
     Point position = {};
     Check(limberGetPlace(context_, id_, &point, position.data()), context_);
@@ -173,6 +179,18 @@ class Rig : public Owned<LimberRigId, limberDestroyRig> {
   LimberRigInfo Info() const {
     LimberRigInfo info = {};
     Check(limberGetRigInfo(context_, id_, &info), context_);
+    return info;
+  }
+
+  int32_t NumPrimitives() const {
+    int32_t count = 0;
+    Check(limberGetNumPrimitives(context_, id_, &count), context_);
+    return count;
+  }
+
+  LimberPrimitiveInfo PrimitiveInfo(int32_t primitive) const {
+    LimberPrimitiveInfo info = {};
+    Check(limberGetPrimitiveInfo(context_, id_, primitive, &info), context_);
     return info;
   }
 

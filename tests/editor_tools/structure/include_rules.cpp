@@ -25,9 +25,10 @@ const std::map<std::string, Names> kRuntimeRooms = {
     {"skin", {"core", "rig"}},
     {"solve", {"core", "rig", "skin"}},
     {"drive", {"core", "rig", "skin", "solve"}},
-    {"pick", {"core", "rig", "skin"}},
+    {"ray", {"core"}},
+    {"pick", {"core", "rig", "skin", "ray"}},
     {"skin_vulkan", {"core", "rig", "skin"}},
-    {"capi", {"core", "rig", "load", "clips", "solve", "skin", "drive", "pick", "limber"}},
+    {"capi", {"core", "rig", "load", "clips", "solve", "skin", "drive", "ray", "limber"}},
     {"capi_vulkan", {"core", "rig", "solve", "skin", "skin_vulkan", "capi", "limber"}},
 };
 const std::map<std::string, Names> kToolRooms = {

@@ -38,6 +38,10 @@ cmake --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/lo
 mv "$work/first" "$work/moved"
 library=$(find "$work/moved" -name liblimber.so)
 symbols "$library"
+# An engine ships that one file: beside it only what any C++ program of the system needs.
+needed=$(readelf -d "$library" | sed -n 's/.*Shared library: \[\(.*\)\]/\1/p' |
+  { grep -vE '^(libstdc\+\+|libm|libgcc_s|libc|ld-[a-z0-9_-]+|lib[a-z]+san)\.so' || true; })
+[[ -z $needed ]] || fail "$library: needs $needed"
 
 # Only files of the prefix and of the system: the sources must not be needed.
 if ! { cmake -S "$here/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/moved" \

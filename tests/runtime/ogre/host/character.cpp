@@ -86,20 +86,20 @@ void Character::MakeParts(const Look& look, Ogre::Mesh* mesh) {
   indices->writeData(0, indices->getSizeInBytes(), info_.triangles);
   const Ogre::TexturePtr colours = Ogre::TextureManager::getSingleton().loadImage(
       mesh->getName() + " colours", Ogre::RGN_DEFAULT, look.colours);
-  uint32_t num_triangles = 0;
-  for (const LookPart& part : look.parts) {
+  int32_t num_parts = 0;
+  Check(limberGetNumPrimitives(context_, rig_, &num_parts), context_);
+  for (int32_t i = 0; i < num_parts; ++i) {
+    LimberPrimitiveInfo part;
+    Check(limberGetPrimitiveInfo(context_, rig_, i, &part), context_);
     Ogre::SubMesh* submesh = mesh->createSubMesh();
     submesh->useSharedVertices = true;
     submesh->indexData->indexBuffer = indices;
     submesh->indexData->indexStart = size_t{3} * part.first_triangle;
     submesh->indexData->indexCount = size_t{3} * part.num_triangles;
-    const std::string name = mesh->getName() + " " + std::to_string(part.first_triangle);
+    const float roughness = look.roughness.at(static_cast<size_t>(part.gltf_material));
+    const std::string name = mesh->getName() + " " + std::to_string(i);
     submesh->setMaterialName(
-        MakeMaterial(name, colours, part.roughness, info_.dimension == 2)->getName());
-    num_triangles += part.num_triangles;
-  }
-  if (num_triangles != info_.num_triangles) {
-    throw std::runtime_error("the file has other triangles than the rig");
+        MakeMaterial(name, colours, roughness, info_.dimension == 2)->getName());
   }
 }
 
@@ -115,6 +115,7 @@ void Character::Step() {
   solve.iterations = 8;
   solve.settle_tolerance = 1e-3;
   Check(limberSolve(context_, instance_, &solve, nullptr), context_);
+  float bounds[6];
   {
     const Ogre::HardwareBufferLockGuard lock(moving_, Ogre::HardwareBuffer::HBL_DISCARD);
     auto* vertices = static_cast<MovingVertex*>(lock.pData);
@@ -122,9 +123,10 @@ void Character::Step() {
     skin.num_vertices = info_.num_vertices;
     skin.positions = {vertices->position, sizeof(MovingVertex)};
     skin.normals = {vertices->normal, sizeof(MovingVertex)};
+    skin.bounds = bounds;
     Check(limberSkin(context_, instance_, &skin), context_);
   }
-  UpdateBounds();
+  SetBounds(bounds);
 }
 
 std::vector<LimberHandleState> Character::Handles() const {
@@ -136,14 +138,9 @@ std::vector<LimberHandleState> Character::Handles() const {
   return handles;
 }
 
-// An engine culls by a box, and a write-only buffer cannot be asked for one: the box of the handles
-// stands in, larger by some times what the skin stands out from it at rest.
-void Character::UpdateBounds() {
-  Ogre::AxisAlignedBox box;
-  for (const LimberHandleState& handle : Handles())
-    box.merge(VectorOf(handle.position));
-  const Ogre::Vector3 margin(3 * reach_);
-  mesh_->_setBounds({box.getMinimum() - margin, box.getMaximum() + margin}, false);
+// What the engine culls by.
+void Character::SetBounds(const float bounds[6]) {
+  mesh_->_setBounds({VectorOf(bounds), VectorOf(bounds + 3)}, false);
   entity_->getParentSceneNode()->needUpdate();
 }
 

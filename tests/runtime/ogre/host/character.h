@@ -52,7 +52,7 @@ class Character {
   void MakeVertices(Ogre::Mesh* mesh);
   void MakeParts(const Look& look, Ogre::Mesh* mesh);
   void MeasureRest();
-  void UpdateBounds();
+  void SetBounds(const float bounds[6]);  // smallest, largest
 
   LimberContext* context_;
   LimberRigId rig_ = {};

@@ -53,16 +53,8 @@ Look ReadLook(const std::string& glb_file) {
   const Glb glb = ReadGlb(glb_file);
   Look look;
   look.colours = DecodeImage(glb, glb.json.at("images").at(0));
-  uint32_t first_triangle = 0;
-  for (const nlohmann::json& primitive : glb.json.at("meshes").at(0).at("primitives")) {
-    const auto& material = glb.json.at("materials").at(primitive.at("material").get<size_t>());
-    const auto& indices = glb.json.at("accessors").at(primitive.at("indices").get<size_t>());
-    LookPart part;
-    part.first_triangle = first_triangle;
-    part.num_triangles = indices.at("count").get<uint32_t>() / 3;
-    part.roughness = material.at("pbrMetallicRoughness").value("roughnessFactor", 1.0f);
-    first_triangle += part.num_triangles;
-    look.parts.push_back(part);
+  for (const nlohmann::json& material : glb.json.at("materials")) {
+    look.roughness.push_back(material.at("pbrMetallicRoughness").value("roughnessFactor", 1.0f));
   }
   return look;
 }

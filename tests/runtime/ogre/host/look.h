@@ -1,5 +1,5 @@
-// What a character's file says of its looks, which the engine needs and Limber does not give: the
-// colour picture, and which triangles have which material.
+// What a character's file says of its looks, which is the engine's affair and not Limber's: the
+// colour picture and the materials.
 #pragma once
 
 #include <OgreImage.h>
@@ -8,14 +8,9 @@
 #include <string>
 #include <vector>
 
-struct LookPart {
-  uint32_t first_triangle = 0, num_triangles = 0;
-  float roughness = 1;
-};
-
 struct Look {
   Ogre::Image colours;
-  std::vector<LookPart> parts;  // one for each primitive of the mesh, in the file's order
+  std::vector<float> roughness;  // of each material
 };
 
 // Of the first mesh of a .glb. Throws std::exception with the reason.

@@ -1,4 +1,4 @@
-#include "pick/triangle_hit.h"
+#include "ray/triangle_hit.h"
 
 #include <algorithm>
 #include <cmath>
