@@ -1,4 +1,3 @@
 // tinygltf, compiled here: whoever links liblimber needs no library beside it. CMakeLists.txt of
 // this folder says what is left out, and gives its namespace another name.
-#define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>

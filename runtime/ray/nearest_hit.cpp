@@ -8,6 +8,7 @@ namespace limber {
 namespace {
 
 constexpr double kEqualDistance = 1e-6;
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 // Two directions at right angles to a unit one and to each other.
 void MakeFrame(Double3 unit, Double3* across, Double3* up) {
@@ -27,13 +28,13 @@ double Side(const Point& a, const Point& b) {
 // Along the ray; infinite where it misses. (Woop, Benthin and Wald 2013, in double.)
 template <class Point>
 double DistanceTo(const Point& a, const Point& b, const Point& c) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
   const double u = Side(b, c), v = Side(c, a), w = Side(a, b);
   const bool outside = (u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0);
   const double area = u + v + w;
-  if (outside || area == 0) return kNone;
+  if (outside || area == 0) return kNowhere;
   const double distance = (u * a.z + v * b.z + w * c.z) / area;
-  return distance >= 0 ? distance : kNone;
+  if (distance < 0) return kNowhere;
+  return distance;
 }
 
 }  // namespace
@@ -50,12 +51,12 @@ std::optional<NearestHit> NearestHitFinder::Find(std::span<const Vec3> positions
     const Double3 p = ToDouble(positions[v]) - from;
     seen_[v] = {Dot(p, across), Dot(p, up), Dot(p, unit)};
   }
-  double nearest = std::numeric_limits<double>::infinity(), found_at = nearest;
+  double nearest = kNowhere, found_at = kNowhere;
   std::optional<uint32_t> found;
   for (size_t t = 0; 3 * t + 2 < triangles.size(); ++t) {
     const double distance = DistanceTo(seen_[triangles[3 * t]], seen_[triangles[3 * t + 1]],
                                        seen_[triangles[3 * t + 2]]);
-    if (!std::isfinite(distance) || distance > nearest * (1 + kEqualDistance)) continue;
+    if (distance == kNowhere || distance > nearest * (1 + kEqualDistance)) continue;
     // Of those as near as the nearest, the first or the last; a nearer one ends all that are not.
     const bool is_as_near = found && found_at <= distance * (1 + kEqualDistance);
     nearest = std::min(nearest, distance);
