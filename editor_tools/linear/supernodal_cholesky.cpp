@@ -114,7 +114,9 @@ void SupernodalCholesky::PlaceEntries(const SparseMatrix<double>& Q) {
       diagonal_places_[global] = Place(supernode, column, column);
       for (SparseMatrix<double>::InnerIterator it(Q, old_of_new_[global]); it; ++it) {
         const auto row = static_cast<size_t>(new_of_old_[static_cast<size_t>(it.row())]);
-        if (row >= global) entries_.push_back({Place(supernode, local[row], column), it.value()});
+        if (row < global) continue;
+        entries_.push_back({Place(supernode, local[row], column), it.value(),
+                            static_cast<size_t>(&it.value() - Q.valuePtr())});
       }
     }
   }
@@ -127,17 +129,21 @@ PanelView SupernodalCholesky::Panel(const Supernode& supernode, const Factor& fa
 }
 
 // The matrix itself, where the supernode's part of L will be.
-void SupernodalCholesky::Begin(size_t which, double scale, const double* diagonal,
-                               Factor* factor) const {
+void SupernodalCholesky::Begin(size_t which, const Matrix& matrix, Factor* factor) const {
   const Supernode& to = supernodes_[which];
   double* values = factor->values.data();
   std::fill_n(values + to.values,
               NumBlocks(to.num_rows) * kBlockRows * static_cast<size_t>(to.width), 0.0);
+  if (matrix.values != nullptr) {
+    for (size_t e = entries_begin_[which]; e < entries_begin_[which + 1]; ++e)
+      values[entries_[e].place] += matrix.values[entries_[e].source];
+    return;
+  }
   for (size_t e = entries_begin_[which]; e < entries_begin_[which + 1]; ++e)
-    values[entries_[e].place] += scale * entries_[e].value;
+    values[entries_[e].place] += matrix.scale * entries_[e].value;
   for (int column = to.first; column < to.first + to.width; ++column) {
     const auto global = static_cast<size_t>(column);
-    values[diagonal_places_[global]] += diagonal[old_of_new_[global]];
+    values[diagonal_places_[global]] += matrix.diagonal[old_of_new_[global]];
   }
 }
 
@@ -170,6 +176,14 @@ void SupernodalCholesky::TakeProducts(size_t target, Factor* factor) const {
 
 void SupernodalCholesky::FactoriseAndSolve(double scale, const double* diagonal, Factor* factor,
                                            double* x) const {
+  Factorise({scale, diagonal, nullptr}, factor, x);
+}
+
+void SupernodalCholesky::FactoriseAndSolve(const double* values, Factor* factor, double* x) const {
+  Factorise({1, nullptr, values}, factor, x);
+}
+
+void SupernodalCholesky::Factorise(const Matrix& matrix, Factor* factor, double* x) const {
   factor->definite = true;
   factor->values.Reserve(num_values_);
   factor->head.assign(supernodes_.size(), -1);
@@ -181,7 +195,7 @@ void SupernodalCholesky::FactoriseAndSolve(double scale, const double* diagonal,
     const Supernode& to = supernodes_[target];
     for (int row = 0; row < to.num_rows; ++row)
       factor->local[static_cast<size_t>(rows_[to.rows + static_cast<size_t>(row)])] = row;
-    Begin(target, scale, diagonal, factor);
+    Begin(target, matrix, factor);
     TakeProducts(target, factor);
     double* panel = factor->values.data() + to.values;
     factor->definite = kernels_.factor_panel(panel, to.num_rows, to.width) && factor->definite;

@@ -45,6 +45,10 @@ class SupernodalCholesky {
   // for half of what Solve costs.
   void FactoriseAndSolve(double scale, const double* diagonal, Factor* factor, double* x) const;
 
+  // The same of any matrix of the pattern: values are its numbers, [Q.nonZeros()] in Q's order, of
+  // which those of Q's lower triangle (in the order of elimination) are read.
+  void FactoriseAndSolve(const double* values, Factor* factor, double* x) const;
+
   // x: [n], in the right side, out the solution.
   void Solve(Factor* factor, double* x) const;
 
@@ -60,6 +64,14 @@ class SupernodalCholesky {
   struct Entry {  // of Q's lower triangle
     size_t place = 0;
     double value = 0;
+    size_t source = 0;  // among Q's numbers
+  };
+
+  // A matrix of the pattern: what Begin puts where L will be.
+  struct Matrix {
+    double scale = 1;
+    const double* diagonal = nullptr;  // [n]
+    const double* values = nullptr;    // instead of both, where it is not null
   };
 
   void FindSupernodes(const Elimination& elimination);
@@ -67,7 +79,8 @@ class SupernodalCholesky {
   void PlaceEntries(const Eigen::SparseMatrix<double>& Q);
   size_t Place(const Supernode& supernode, int place_in_rows, int column) const;
   PanelView Panel(const Supernode& supernode, const Factor& factor) const;
-  void Begin(size_t which, double scale, const double* diagonal, Factor* factor) const;
+  void Begin(size_t which, const Matrix& matrix, Factor* factor) const;
+  void Factorise(const Matrix& matrix, Factor* factor, double* x) const;
   void List(size_t which, int rows_done, Factor* factor) const;
   void TakeProducts(size_t target, Factor* factor) const;
   void Permute(const double* x, Factor* factor) const;

@@ -49,6 +49,15 @@ void ExpectEigensAnswers(const SparseMatrix<double>& Q, const PanelKernels& kern
     cholesky.Solve(factor, solved_again.data());
     EXPECT_EQ(solved_again, solved);
     const VectorXd expected = EigensAnswer(Q, problem);
+    // The same matrix as one of the pattern.
+    SparseMatrix<double> matrix = problem.scale * Q;
+    for (Eigen::Index i = 0; i < Q.cols(); ++i)
+      matrix.coeffRef(i, i) += problem.diagonal(i);
+    ASSERT_EQ(matrix.nonZeros(), Q.nonZeros());
+    VectorXd from_values = problem.right;
+    cholesky.FactoriseAndSolve(matrix.valuePtr(), factor, from_values.data());
+    ASSERT_TRUE(factor->definite);
+    EXPECT_LT((from_values - expected).norm(), 1e-9 * expected.norm());
     EXPECT_LT((solved - expected).norm(), 1e-9 * expected.norm())
         << kernels.name << ", size " << Q.cols();
   }

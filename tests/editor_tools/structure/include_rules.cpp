@@ -39,7 +39,7 @@ const std::map<std::string, Names> kToolRooms = {
     {"gltf_edit", {"import"}},
     {"animation", {"import", "gltf_edit"}},
     {"bake", {"threads", "linear", "geometry", "import", "gltf_edit"}},
-    {"deform", {"geometry"}},
+    {"deform", {"threads", "linear", "geometry", "bake"}},
     {"bench", {"geometry", "import", "bake"}},
     {"viewer", {}},
     {"inspect", {"viewer"}},
