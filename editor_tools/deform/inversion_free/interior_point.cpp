@@ -70,14 +70,13 @@ InteriorPoint<D>::InteriorPoint(const FullEnergy<D>& energy, double smallest_str
           energy.GradientAt(Positions::Zero(energy.problem().mesh.num_vertices(), D), 0)),
       cholesky_(hessian_, EliminateVertices(energy.problem().mesh, hessian_)),
       constraints_(energy.rest().size()) {
-  constexpr int kDofs = D * (D + 1);
   for (const auto& element : energy.problem().mesh.elements) {
     auto& places = places_.emplace_back();
+    size_t next = 0;
     for (int row = 0; row < kDofs; ++row) {
       for (int column = 0; column < kDofs; ++column) {
-        places[static_cast<size_t>(row * kDofs + column)] =
-            PlaceOf(hessian_, element[static_cast<size_t>(row / D)] * D + row % D,
-                    element[static_cast<size_t>(column / D)] * D + column % D);
+        places[next++] = PlaceOf(hessian_, element[static_cast<size_t>(row / D)] * D + row % D,
+                                 element[static_cast<size_t>(column / D)] * D + column % D);
       }
     }
   }
@@ -142,7 +141,6 @@ void InteriorPoint<D>::Scale(Constraint* constraint) const {
 // |G^-1 dS G^-T|^2 as a form in the corners' steps.
 template <int D>
 void InteriorPoint<D>::AddHessian(size_t element) {
-  constexpr int kDofs = D * (D + 1);
   Eigen::Matrix<double, kDofs, kDofs> block = Eigen::Matrix<double, kDofs, kDofs>::Zero();
   const Matrix& unscale = constraints_[element].unscale;
   for (int p = 0; p < D; ++p) {
@@ -155,9 +153,10 @@ void InteriorPoint<D>::AddHessian(size_t element) {
       block += (p == q ? 1.0 : 2.0) * dofs * dofs.transpose();
     }
   }
+  size_t next = 0;
   for (int row = 0; row < kDofs; ++row) {
     for (int column = 0; column < kDofs; ++column)
-      values_[places_[element][static_cast<size_t>(row * kDofs + column)]] += block(row, column);
+      values_[places_[element][next++]] += block(row, column);
   }
 }
 

@@ -40,6 +40,8 @@ class InteriorPoint {
  private:
   using Matrix = Eigen::Matrix<double, D, D>;
 
+  static constexpr int kDofs = D * (D + 1);  // coordinates of an element's corners
+
   // One element's constraint.
   struct Constraint {
     Matrix slack = Matrix::Identity(), multiplier = Matrix::Identity();  // Y, Z
@@ -71,7 +73,7 @@ class InteriorPoint {
   double smallest_stretch_;
   Eigen::SparseMatrix<double> hessian_;  // without constraints
   Eigen::VectorXd gradient_at_zero_;
-  Vector<std::array<int, D*(D + 1) * D*(D + 1)>> places_;  // of each element's block in values_
+  Vector<std::array<int, size_t{kDofs} * kDofs>> places_;  // of each element's block in values_
   Eigen::VectorXd values_;
   linear::SupernodalCholesky cholesky_;
   linear::SupernodalCholesky::Factor factor_;
