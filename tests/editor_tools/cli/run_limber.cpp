@@ -36,6 +36,27 @@ namespace fs = std::filesystem;
   _exit(127);
 }
 
+// Whether a program has a handler of its own for a signal, as Linux tells it; true where it does
+// not tell, and where there is no such program any more.
+bool Catches(pid_t program, int signal_number) {
+  std::ifstream status("/proc/" + std::to_string(program) + "/status");
+  std::string line;
+  while (std::getline(status, line)) {
+    if (line.rfind("State:", 0) == 0 && line.find('Z') != std::string::npos) return true;
+    if (line.rfind("SigCgt:", 0) != 0) continue;
+    return (std::stoull(line.substr(7), nullptr, 16) >> (signal_number - 1) & 1) != 0;
+  }
+  return true;
+}
+
+// A machine that is busy may take a second to start a program; a signal before it listens would say
+// nothing of how it ends.
+void WaitUntilItListens(pid_t program, int signal_number) {
+  constexpr int kMostTries = 2000;
+  for (int i = 0; i < kMostTries && !Catches(program, signal_number); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
 }  // namespace
 
 CommandResult RunLimberAndSignal(const Vector<std::string>& arguments, int signal_number,
@@ -45,6 +66,7 @@ CommandResult RunLimberAndSignal(const Vector<std::string>& arguments, int signa
   const pid_t child = fork();
   if (child == 0) Become(arguments, out, err);
   if (signal_number != 0) {
+    WaitUntilItListens(child, signal_number);
     std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
     kill(child, signal_number);
   }
